@@ -106,14 +106,14 @@ def _scaled(matrix: Floats, error: Floats, size: float) -> tuple[Floats, Floats,
 
 
 def near_diagonal(
-    basis: Basis, matrix: Floats, error: Floats, values: Complexes
+    basis: ProvedBasis, matrix: Floats, error: Floats, values: Complexes
 ) -> tuple[Complexes, Floats]:
     """H = X⁻¹ A X - Λ, and a bound on the error of each entry."""
     defect, doubt = _defect(matrix, values, basis.vectors)
     return basis.carried(defect, doubt + MORE * (error @ np.abs(basis.vectors)))
 
 
-class Basis(NamedTuple):
+class ProvedBasis(NamedTuple):
     """Vectors that are proved to be a basis."""
 
     vectors: Complexes
@@ -139,13 +139,13 @@ class Basis(NamedTuple):
         return self.carried(matrix @ self.vectors, doubt)
 
 
-def basis_of(vectors: Complexes, inverse: Complexes) -> Basis | None:
+def basis_of(vectors: Complexes, inverse: Complexes) -> ProvedBasis | None:
     """Vectors as a basis; None where their inverse is not proved to be near."""
     n = len(vectors)
     off = np.abs(np.eye(n) - inverse @ vectors)
     off += _rounding(n) * (np.abs(inverse) @ np.abs(vectors)) + n * LOST
     flaw = MORE * off.sum(axis=1)
-    return Basis(vectors, inverse, flaw) if flaw.max() < 0.5 else None
+    return ProvedBasis(vectors, inverse, flaw) if flaw.max() < 0.5 else None
 
 
 def _rounding(n: int) -> float:

@@ -19,7 +19,7 @@ from .version import __version__
 
 
 @dataclass(frozen=True)
-class Work:
+class CitedWork:
     """A paper, book, or program, as an entry of BibTeX.
 
     Examples
@@ -99,9 +99,9 @@ def _latex(text: str) -> str:
     return text.replace("&", r"\&").replace("ø", r"{\o}")
 
 
-def _read() -> dict[str, Work]:
+def _read() -> dict[str, CitedWork]:
     text = files(__package__).joinpath("works.json").read_text(encoding="utf-8")
-    works = {entry["key"]: Work(**entry) for entry in json.loads(text)}
+    works = {entry["key"]: CitedWork(**entry) for entry in json.loads(text)}
     works["stability"] = replace(works["stability"], place=f"version {__version__}")
     return works
 
@@ -235,7 +235,7 @@ class Citation(Record):
     ['stability', 'przybylska2016', 'casadi', 'lapack']
     """
 
-    works: tuple[Work, ...]
+    works: tuple[CitedWork, ...]
     """The works, this package first, in the version that made the result."""
     made: str = ""
     """Of a figure, film or page in a file: the call that made it, in a sentence."""

@@ -158,7 +158,7 @@ def _decades(tolerance: float, loose: float) -> float:
 
 
 @dataclass(frozen=True, eq=False)
-class _Run(Outcomes):
+class _RunOutcomes(Outcomes):
     """Outcomes of one run with the states at its ends."""
 
     state: Floats
@@ -173,13 +173,13 @@ def _judged(
     tolerance: float,
     settings: Settings,
     settling: Settling,
-) -> _Run:
+) -> _RunOutcomes:
     """One run of launches, and what its ends mean; rare ends count as unresolved."""
     lean = lean_of(flow)
     parameters = p[:, : len(flow.system.parameters)]
     watch = Watcher(settling, lean.report, parameters, horizon, settings.settle)
     done = ends(lean.flow, lean.pack(starts), p, horizon, tolerance, settings.max_steps, watch)
-    run = _Run(**vars(_blank(len(starts))), state=lean.whole(done.state))
+    run = _RunOutcomes(**vars(_blank(len(starts))), state=lean.whole(done.state))
     run.time[:], run.steps[:] = done.time, done.steps
     run.outcome[done.kind == FAILED] = CODES[Outcome.UNRESOLVED]
     proved = done.kind == PROVED
@@ -196,7 +196,9 @@ def _judged(
     return run
 
 
-def _events(run: _Run, flow: Flow, rows: NDArray[np.intp], p: Floats, horizon: Floats) -> None:
+def _events(
+    run: _RunOutcomes, flow: Flow, rows: NDArray[np.intp], p: Floats, horizon: Floats
+) -> None:
     """Name events, and move them along the motion to the zeros of their guards."""
     names, parameters = list(flow.guards), p[rows]
     which, times, y = at_guards(flow, parameters, run.state[rows], run.time[rows], horizon[rows])
@@ -210,7 +212,7 @@ def _events(run: _Run, flow: Flow, rows: NDArray[np.intp], p: Floats, horizon: F
         run.outcome[rows[near & contact]] = CODES[Outcome.UNRESOLVED]
 
 
-def _differences(first: _Run, second: _Run) -> Floats:
+def _differences(first: _RunOutcomes, second: _RunOutcomes) -> Floats:
     """What the integration's error changes: member, time of an event, or final state."""
     differences = np.full(len(first.time), np.nan)
     same = (first.outcome == second.outcome) & (first.family == second.family)

@@ -18,7 +18,7 @@ from typing import Any, Protocol
 import casadi as ca
 
 from ..base.errors import ParameterError, shown
-from .explicit import Surface, angular_velocity
+from .explicit import ContactGeometry, angular_velocity
 from .resistance import Resistance, total_moment
 
 STATES = ("theta", "theta_dot", "phi_dot", "omega3", "slip_x", "slip_y")
@@ -65,7 +65,7 @@ class NewtonEuler:
     def __init__(
         self,
         x: ca.SX,
-        surface: Surface,
+        surface: ContactGeometry,
         law: StatedLaw,
         slips: bool,
         slip: list[ca.SX] | None = None,

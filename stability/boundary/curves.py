@@ -15,7 +15,7 @@ from ..base.types import Floats, Progress
 from ..base.verdict import CODES, DECAYING, NO_MEMBER, Verdict
 from ..spectra.problem import Problem
 from .brackets import AxisScan, BoundaryPoint, Crossing, refine
-from .curve_crossings import Placed, Turn, linked
+from .curve_crossings import PlacedPoint, Turn, linked
 from .grid_edges import Edges, GridPolynomials, bracketed
 
 KINDS = {crossing: crossing.code for crossing in Crossing}
@@ -96,7 +96,7 @@ def trace(
     changes = scans.changes(np.concatenate([np.empty((0, 3), dtype=int), *places]), codes, progress)
     turns = _turns(changes)
     tips, xs, ys = Tips(scans), axes[0].values, axes[1].values
-    curves: list[Sequence[Placed | Turn]] = []
+    curves: list[Sequence[PlacedPoint | Turn]] = []
     missing = 0
     for line, edges in zip(lines, places, strict=True):
         points = [changes[axis, i, j] for axis, i, j in edges.tolist()]
@@ -133,7 +133,7 @@ def _edges(line: Floats) -> NDArray[np.int_]:
     return np.array(first, dtype=int).T
 
 
-def _turns(changes: Mapping[tuple[int, int, int], Placed | None]) -> dict[Cell, list[Turn]]:
+def _turns(changes: Mapping[tuple[int, int, int], PlacedPoint | None]) -> dict[Cell, list[Turn]]:
     """Where two curves may cross within a cell, by its row and column.
 
     All four edges of the cell change, or two curves come near to each other on both sides of a row
@@ -160,7 +160,7 @@ def _turns(changes: Mapping[tuple[int, int, int], Placed | None]) -> dict[Cell, 
     return turns
 
 
-def _meeting(a: Placed, b: Placed, c: Placed, d: Placed) -> list[Turn]:
+def _meeting(a: PlacedPoint, b: PlacedPoint, c: PlacedPoint, d: PlacedPoint) -> list[Turn]:
     """Where the lines through two points each meet; none where they are parallel."""
     (ax, ay), (bx, by), (cx, cy), (dx, dy) = ([p.place(0), p.place(1)] for p in (a, b, c, d))
     across = (bx - ax) * (dy - cy) - (by - ay) * (dx - cx)
@@ -195,7 +195,7 @@ class GridScans:
 
     def changes(
         self, edges: NDArray[np.int_], codes: NDArray[np.int8], progress: Progress | None
-    ) -> dict[tuple[int, int, int], Placed | None]:
+    ) -> dict[tuple[int, int, int], PlacedPoint | None]:
         """The change of verdict on each edge: all together, then in balls what is left open.
 
         Parameters
@@ -230,7 +230,7 @@ class GridScans:
         edges: Edges,
         done: Callable[[int], None] | None = None,
         neutral: Mapping[int, float] | None = None,
-    ) -> list[Placed | None]:
+    ) -> list[PlacedPoint | None]:
         """The change of verdict on each of some edges; some have an end that is neutral."""
         points: list[BoundaryPoint | None] = [None] * len(edges.axis)
         joined = np.flatnonzero(~self.polynomials.separated(edges)).tolist()
@@ -246,7 +246,7 @@ class GridScans:
             if done:
                 done(k)
         return [
-            None if point is None else Placed(point, *where)
+            None if point is None else PlacedPoint(point, *where)
             for point, *where in zip(points, edges.axis.tolist(), edges.other.tolist(), strict=True)
         ]
 
@@ -293,9 +293,9 @@ class Tips:
     def continued(
         self,
         line: Floats,
-        points: Sequence[Placed | None],
+        points: Sequence[PlacedPoint | None],
         between: Sequence[Sequence[Turn]],
-    ) -> list[Placed | Turn]:
+    ) -> list[PlacedPoint | Turn]:
         """Points of a curve, with the two sides of each tip continued as far as they are apart.
 
         Parameters
@@ -307,7 +307,7 @@ class Tips:
         between
             Where two curves may cross between a point and the next one.
         """
-        out: list[Placed | Turn] = []
+        out: list[PlacedPoint | Turn] = []
         k, ends = 0, _tips(line)
         while k < len(points):
             if end := ends[k]:
@@ -326,8 +326,8 @@ class Tips:
         return out
 
     def _walls(
-        self, turn: list[Placed], outside: tuple[Placed | None, Placed | None]
-    ) -> list[Placed | Turn]:
+        self, turn: list[PlacedPoint], outside: tuple[PlacedPoint | None, PlacedPoint | None]
+    ) -> list[PlacedPoint | Turn]:
         """Points between both sides of a tip: up along one side, and down along the other.
 
         Parameters
@@ -365,16 +365,16 @@ class Tips:
 
     def _with(
         self,
-        middle: list[Placed],
-        first: Placed,
-        up: list[Placed],
-        last: Placed,
-        down: list[Placed],
-    ) -> list[Placed | Turn]:
+        middle: list[PlacedPoint],
+        first: PlacedPoint,
+        up: list[PlacedPoint],
+        last: PlacedPoint,
+        down: list[PlacedPoint],
+    ) -> list[PlacedPoint | Turn]:
         """Both sides, and each of the tip's own points on the side that it belongs to."""
         axis = first.axis
 
-        def off(side: list[Placed], point: Placed) -> float:
+        def off(side: list[PlacedPoint], point: PlacedPoint) -> float:
             order = sorted(side, key=lambda p: p.place(1 - axis))
             at = np.interp(
                 point.place(1 - axis),
@@ -396,10 +396,10 @@ class Tips:
         self,
         axis: int,
         height: float,
-        pairs: list[tuple[Placed, Placed]],
+        pairs: list[tuple[PlacedPoint, PlacedPoint]],
         margin: float,
         narrow: float,
-    ) -> tuple[Placed, Placed] | None:
+    ) -> tuple[PlacedPoint, PlacedPoint] | None:
         """Both sides of the wedge at a height, looked for where straight lines meet that height.
 
         Parameters
@@ -471,7 +471,7 @@ def _tips(line: Floats) -> list[int]:
     return steps.tolist()
 
 
-def _extended(side: tuple[Placed, ...], axis: int, height: float) -> float:
+def _extended(side: tuple[PlacedPoint, ...], axis: int, height: float) -> float:
     """Where the straight line through the last points of a side meets a height."""
     *earlier, last = side
     if not earlier:

@@ -24,7 +24,7 @@ from ..base.types import Floats
 from ..systems.structure.structural_zeros import structure
 from .algebraic.candidates import Candidate, Watched
 from .algebraic.exact_search import DIGITS, Judge, members_along, tidy
-from .algebraic.members import FINE_BITS, OPEN, Cell
+from .algebraic.members import FINE_BITS, OPEN, CandidateCell
 from .brackets import (
     LADDER,
     LATE,
@@ -84,13 +84,15 @@ class _EveryCrossing(Judge):
         left, touching = tuple(tidy(self.left)), tuple(self.touching)
         return Crossings(tuple(self.every), left, touching, HOW, throughout=number)
 
-    def side(self, cell: Cell) -> list[int] | None:
+    def side(self, cell: CandidateCell) -> list[int] | None:
         """Number of unstable eigenvalues of each factor."""
         if id(cell) not in self.counts:  # cells live as long as the members
             self.counts[id(cell)] = self.members.unstable_in(cell)
         return self.counts[id(cell)]
 
-    def single(self, candidate: Candidate, kept: list[Watched], below: Cell, above: Cell) -> None:
+    def single(
+        self, candidate: Candidate, kept: list[Watched], below: CandidateCell, above: CandidateCell
+    ) -> None:
         """A candidate where eigenvalues may reach the axis, and as many are unstable beyond it."""
         rows = zip(self._on_axis(candidate), self.members.even, strict=False)
         if any(w == 0 or not even for row, even in rows for w in row):
@@ -99,7 +101,13 @@ class _EveryCrossing(Judge):
             else:
                 self.leave_at(candidate, REACHED.format(family=self.name))
 
-    def change(self, candidate: Candidate, below: Cell, above: Cell, others: list[Any]) -> None:  # noqa: ARG002
+    def change(
+        self,
+        candidate: Candidate,
+        below: CandidateCell,
+        above: CandidateCell,
+        others: list[Any],  # noqa: ARG002
+    ) -> None:
         """A crossing as a proved bracket: its ends lie in the pieces on both sides."""
 
         def side(value: float) -> int:

@@ -56,7 +56,7 @@ from .brackets import AxisCrossing, AxisScan, Boundaries, BoundaryPoint, Crossin
 from .changes import MOST_SCAN, along, every_along
 from .lyapunov_coefficient import (
     Coefficients,
-    Line,
+    OneParameterFamily,
     Pair,
     coefficients,
     derivatives,
@@ -305,7 +305,7 @@ def births(problem: Problem, grid: Axis) -> list[CycleBirth] | list[HopfPoint]:
     family = problem.family
     on_line = _accepted(family, grid.name)
     fixed = {n: float(v) for n, v in problem.values.items() if n != grid.name}
-    line = Line(family, grid.name, fixed)
+    line = OneParameterFamily(family, grid.name, fixed)
     works = cited(
         model=bool(family.system.quantities),
         proofs=True,
@@ -390,7 +390,7 @@ def _accepted(family: Family, axis: str) -> bool:
     )
 
 
-def birth(line: Line, point: BoundaryPoint, unstable: int = 0) -> CycleBirth:
+def birth(line: OneParameterFamily, point: BoundaryPoint, unstable: int = 0) -> CycleBirth:
     """The first Lyapunov coefficient at a flutter boundary, with proved bounds."""
     reason = ""
     for bits in PRECISIONS:
@@ -422,7 +422,7 @@ def birth(line: Line, point: BoundaryPoint, unstable: int = 0) -> CycleBirth:
     )
 
 
-def _checked(line: Line, point: BoundaryPoint) -> Pair:
+def _checked(line: OneParameterFamily, point: BoundaryPoint) -> Pair:
     """The pair of a boundary, which lies in its bracket."""
     pair = pair_near(line, point.value, point.frequency)
     rough = line.member(point.value)
@@ -480,7 +480,7 @@ def rounded(ball: Any) -> tuple[float, float]:
     return value, upper(abs(arb(ball) - arb(value)))
 
 
-def _on_line(line: Line, point: BoundaryPoint) -> HopfPoint:
+def _on_line(line: OneParameterFamily, point: BoundaryPoint) -> HopfPoint:
     for bits in PRECISIONS:
         with precision(bits):
             try:
@@ -675,7 +675,7 @@ def hopf(
         bits *= 2
 
 
-class Mark(NamedTuple):
+class FlutterBoundary(NamedTuple):
     """A flutter boundary."""
 
     value: Any
@@ -686,7 +686,7 @@ class Mark(NamedTuple):
 
 def _flutter(
     problem: Problem, record: SteadyFamily, bits: int, unit: float, points: int
-) -> list[Mark]:
+) -> list[FlutterBoundary]:
     """The flutter boundaries along the whole line, in balls."""
     fixed = {n: float(v) for n, v in problem.values.items() if n != "at"}
     try:
@@ -700,7 +700,7 @@ def _flutter(
         ) from None
     end = arb.pi() / 2 if record.by_angle else arb("inf")
     return [
-        Mark(candidate.value, below.look.sign > 0)
+        FlutterBoundary(candidate.value, below.look.sign > 0)
         for candidate, below, above in members.between()
         if not candidate.kinds & {"static", "pole", "edge"}
         and below.look.sign != above.look.sign
@@ -709,7 +709,9 @@ def _flutter(
 
 
 @lru_cache(maxsize=1)
-def _scanned(problem: Problem, record: SteadyFamily, unit: float, points: int) -> list[Mark]:
+def _scanned(
+    problem: Problem, record: SteadyFamily, unit: float, points: int
+) -> list[FlutterBoundary]:
     """The flutter boundaries along part of the line, bracketed between the points of a scan."""
     low, high = (v * unit for v in record.flutter or ())
     changes = along(problem, "at", low, high, points=points)
@@ -719,13 +721,13 @@ def _scanned(problem: Problem, record: SteadyFamily, unit: float, points: int) -
         f"{high:.6g} at {points} points; two boundaries between two points are not excluded."
     )
     return [
-        Mark(arb(b.value, b.error), b.stable_below)
+        FlutterBoundary(arb(b.value, b.error), b.stable_below)
         for b in changes
         if b.crossing is Crossing.FLUTTER
     ]
 
 
-def _point(problem: Problem, mark: Mark, unit: float) -> HopfPoint:
+def _point(problem: Problem, mark: FlutterBoundary, unit: float) -> HopfPoint:
     values = {n: arb(float(v)) for n, v in problem.values.items()} | {"at": mark.value}
     a, q, rate = problem.reduce(values, lambda v: v.sqrt())
     pair = pair_at(problem.family, a[0], q)
@@ -763,5 +765,7 @@ def pair_at(family: Family, at: Any, parameters: Sequence[Any]) -> Pair:
     NotProvedError
         If none is proved there.
     """
-    line = Line(family, family.at[0], dict(zip(family.parameters, parameters, strict=True)))
+    line = OneParameterFamily(
+        family, family.at[0], dict(zip(family.parameters, parameters, strict=True))
+    )
     return pair_near(line, float(arb(at).mid()))

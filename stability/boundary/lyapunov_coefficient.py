@@ -44,7 +44,7 @@ REAL = 1e-12
 """Frequency, over the largest eigenvalue, up to which one of these counts as real."""
 
 
-class Derivatives:
+class DerivativePrograms:
     """Programs of a system, with inputs x and p and then directions in the state."""
 
     def __init__(self, system: Equations) -> None:
@@ -83,12 +83,12 @@ class Derivatives:
 
 
 @lru_cache(maxsize=16)
-def derivatives(system: Equations) -> Derivatives:
+def derivatives(system: Equations) -> DerivativePrograms:
     """The derivatives of a system, built once."""
-    return Derivatives(system)
+    return DerivativePrograms(system)
 
 
-class Line:
+class OneParameterFamily:
     """A family with one number free, at a member, in terms of the system's states and parameters.
 
     Parameters
@@ -203,7 +203,7 @@ class Pair:
     """All unknowns of the equations, to start a search nearby."""
 
     @property
-    def line(self) -> Line:
+    def line(self) -> OneParameterFamily:
         """The line along which it crosses."""
         return self.equations.line
 
@@ -231,12 +231,12 @@ class PairEquations:
         c of the condition c* v = 1, complex doubles over the kept states.
     """
 
-    def __init__(self, line: Line, phase: Any) -> None:
+    def __init__(self, line: OneParameterFamily, phase: Any) -> None:
         self.line = line
         self.phase = [(arb(float(c.real)), arb(float(c.imag))) for c in phase]
         self.count = len(line.solved)
 
-    def on(self, line: Line) -> PairEquations:
+    def on(self, line: OneParameterFamily) -> PairEquations:
         """The same on another line, with the same phase."""
         return PairEquations(line, [complex(float(a), float(b)) for a, b in self.phase])
 
@@ -282,7 +282,7 @@ class PairEquations:
 
 
 def guess(
-    line: Line, value: float, frequency: float | None = None
+    line: OneParameterFamily, value: float, frequency: float | None = None
 ) -> tuple[PairEquations, list[float]]:
     """Equations of a pair and a first guess in double precision.
 
@@ -327,7 +327,7 @@ def guess(
     ]
 
 
-def pair_near(line: Line, value: float, frequency: float | None = None) -> Pair:
+def pair_near(line: OneParameterFamily, value: float, frequency: float | None = None) -> Pair:
     """The crossing pair near a value of the axis, proved at the working precision.
 
     Raises
@@ -419,7 +419,7 @@ def solve(matrix: Any, right: Balls) -> Balls:
     return [solution[i, 0] for i in range(len(right))]
 
 
-def direction(line: Line, x: Balls, p: Balls) -> Balls:
+def direction(line: OneParameterFamily, x: Balls, p: Balls) -> Balls:
     """dx/d axis along the family over all states."""
     _, slopes, by_axis = line.first(x, p)
     out = [arb(0)] * len(x)

@@ -42,7 +42,7 @@ from .deduction import Deduction, closed_forms, domain_of, sloped_somewhere
 
 
 @dataclass(frozen=True)
-class Variable:
+class ConditionVariable:
     """A variable of the polynomials."""
 
     name: str
@@ -147,7 +147,7 @@ def _exactly(value: Fraction) -> Any:
 
 
 @dataclass(frozen=True)
-class Numbers:
+class NumberReading:
     """How numbers are read: fractions exactly, doubles exactly or as decimals."""
 
     decimals: bool = False
@@ -283,7 +283,7 @@ class Conditions(Record):
     """The family."""
     given: Mapping[str, Fraction]
     """Parameters that have a number."""
-    variables: tuple[Variable, ...]
+    variables: tuple[ConditionVariable, ...]
     """Variables of the polynomials."""
     domain: tuple[str, ...]
     """What is assumed of the variables, such as `v > 0`."""
@@ -309,7 +309,7 @@ class Conditions(Record):
     """Time of the derivation."""
     numbers: str
     """How decimals in the graph and in the given numbers were read; empty where all are exact."""
-    _reads: Numbers
+    _reads: NumberReading
     _intervals: Mapping[str, tuple[Any, Any]]
 
     __getstate__ = fields_of
@@ -614,7 +614,7 @@ def conditions(
     refuse_system(family)
     family = family_by_name(family, body, contact, parameters)
     family = instance("family", family, Family, A_FAMILY)
-    reads = Numbers(flag("decimals", decimals))
+    reads = NumberReading(flag("decimals", decimals))
     intervals = reads.intervals(family, positive, between or {})
     values = {
         known("parameter", n, family.parameters): reads.rational(n, v)
@@ -654,7 +654,7 @@ def conditions(
 
 
 def _record(
-    deduction: Deduction, budget: Budget, family: Family, said: str, read: tuple[Numbers, Any]
+    deduction: Deduction, budget: Budget, family: Family, said: str, read: tuple[NumberReading, Any]
 ) -> Conditions:
     polynomial, shown_ = deduction.polynomial, deduction.shown
     factored = polynomial.factored
@@ -665,7 +665,7 @@ def _record(
     return Conditions(
         family=family,
         given={n: Fraction(int(v.p), int(v.q)) for n, v in polynomial.values.items()},
-        variables=tuple(Variable(*row) for row in deduction.variables()),
+        variables=tuple(ConditionVariable(*row) for row in deduction.variables()),
         domain=tuple(deduction.assumptions()),
         relations=tuple((factored.names[i], shown_(f)) for i, f in factored.relations),
         solved=closed_forms(polynomial),

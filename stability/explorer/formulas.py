@@ -45,7 +45,7 @@ class Rule:
 
 
 @dataclass(frozen=True)
-class Formulas:
+class PageFormulas:
     """What decides the verdict of a family, as functions of a number type and its quantities."""
 
     names: tuple[str, ...]

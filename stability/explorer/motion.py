@@ -17,7 +17,7 @@ from ..bodies.round_body.models.pole_model import FRONT, PLACE, pole_model
 from ..bodies.round_body.pole_equations import SLIP, smooth_at
 from ..bodies.round_body.shape import RoundShape
 from ..systems.family import Family
-from .formulas import Formulas, Values
+from .formulas import PageFormulas, Values
 from .source import graph, javascript
 
 FLAT = math.sin(1e-6)
@@ -146,7 +146,7 @@ def meridian(body: RoundShape, family: Family) -> dict[str, Any]:
     return {"point": graph(Program(point)), "low": low, "high": high}
 
 
-def start_along_axes(family: Family, formulas: Formulas, model: Model, pole: int) -> str:
+def start_along_axes(family: Family, formulas: PageFormulas, model: Model, pole: int) -> str:
     """JavaScript: quantities, tilt → start of a launch along fixed axes, as `launch` gives it."""
 
     def start(algebra: Algebra, q: Values, tilt: Values) -> list[Any]:

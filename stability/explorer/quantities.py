@@ -13,7 +13,7 @@ from ..base.quantities import Quantity as Known
 
 
 @dataclass(frozen=True)
-class Quantity:
+class PageQuantity:
     """A number that the reader of the page may change."""
 
     name: str
@@ -50,7 +50,7 @@ class Quantity:
         name: str = "",
         unit: str | None = None,
         **limits: Any,
-    ) -> Quantity:
+    ) -> PageQuantity:
         """A quantity of a disk or body: name in calls and unit are its own where none is given."""
         symbol = (quantity.symbol or quantity.name).removesuffix("/mR²")
         label = "" if quantity.long_name == symbol else quantity.long_name
@@ -87,7 +87,7 @@ class Quantity:
             )
         return number
 
-    def at(self, value: Any) -> Quantity:
+    def at(self, value: Any) -> PageQuantity:
         """The quantity with another number at first, or an error that says which it may have."""
         return replace(self, value=self.checked(value))
 
@@ -146,7 +146,7 @@ class PageUnits:
         """What a page without SI units measures in, in words."""
         return f"dimensionless, m = {'R' if self.length == 'radius' else 'R (length)'} = g = 1"
 
-    def plain(self, quantity: Quantity, value: Any) -> float:
+    def plain(self, quantity: PageQuantity, value: Any) -> float:
         """A number of a quantity without dimension, from the user's units."""
         return float(checked(quantity.name, value)) / float(self.units.size(quantity.kind))
 

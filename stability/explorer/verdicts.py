@@ -25,7 +25,7 @@ from ..systems.closed_form import ImplicitForm
 from ..systems.family import Family
 from .formulas import (
     FLOAT,
-    Formulas,
+    PageFormulas,
     Rule,
     Values,
     filled,
@@ -36,10 +36,12 @@ from .formulas import (
     typeset,
     value_of,
 )
-from .quantities import Quantity
+from .quantities import PageQuantity
 
 
-def stored_formulas(family: Family, law: str, quantities: Mapping[str, Quantity]) -> Formulas:
+def stored_formulas(
+    family: Family, law: str, quantities: Mapping[str, PageQuantity]
+) -> PageFormulas:
     """What decides the verdict of a family of the disk."""
     record, exact = FAMILIES[family.name], DiskPolynomial(exact_polynomial(family.name, law))
     stored, [at] = exact.known, family.at
@@ -81,7 +83,7 @@ def stored_formulas(family: Family, law: str, quantities: Mapping[str, Quantity]
         states = record.member(functions, values["at"], values["k"])
         return {n: states[n] for n in family.unknown}
 
-    return Formulas(
+    return PageFormulas(
         names=tuple(quantities),
         even=(stored.even,) * len(stored.factors),
         zeros=stored.zeros,
@@ -107,8 +109,8 @@ ONE = "sqrt(1)"
 
 
 def derived_formulas(
-    family: Family, quantities: Mapping[str, Quantity], positive: Sequence[str] = ()
-) -> Formulas:
+    family: Family, quantities: Mapping[str, PageQuantity], positive: Sequence[str] = ()
+) -> PageFormulas:
     """What decides the verdict of a family, derived with every quantity as a variable.
 
     Raises
@@ -164,7 +166,7 @@ def derived_formulas(
         out = exists.run(algebra, [states, [values[n] for n in system.parameters]])
         return [v[0] if v else 0.0 for v in out]
 
-    formulas = Formulas(
+    formulas = PageFormulas(
         names=names,
         even=tuple(f.even for f in factors),
         zeros=record.zeros,
@@ -238,7 +240,7 @@ SAME = 1e-6
 """Angle within which a change of sign is rounding, or the rest of Newton's method [rad]."""
 
 
-def closed_formulas(family: Family, quantities: Mapping[str, Quantity]) -> Formulas:
+def closed_formulas(family: Family, quantities: Mapping[str, PageQuantity]) -> PageFormulas:
     """What decides the verdict of a family of a body in closed form.
 
     The stored polynomials have h, h′ and h′′ as variables.  Put in, they are a graph in the
@@ -284,7 +286,7 @@ def closed_formulas(family: Family, quantities: Mapping[str, Quantity]) -> Formu
     note = "c₀, c₁, …: coefficients of the characteristic polynomial, lowest power first"
     if not form.even and degree >= 3:
         note += "; Δ: Hurwitz's determinants of it"
-    return Formulas(
+    return PageFormulas(
         names=tuple(quantities),
         even=(form.even,),
         zeros=form.zeros,

@@ -176,11 +176,11 @@ class Flow:
         return both[..., :count], both[..., count:]
 
     @property
-    def quick(self) -> Quick:
+    def quick(self) -> PointFunctions:
         """The flow's functions for one point at a time, bound to memory of this thread."""
-        held: dict[Flow, Quick] = _THREAD.__dict__.setdefault("held", {})
+        held: dict[Flow, PointFunctions] = _THREAD.__dict__.setdefault("held", {})
         if self not in held:
-            held[self] = Quick(self)
+            held[self] = PointFunctions(self)
         return held[self]
 
     def pack(self, states: Floats) -> Floats:
@@ -202,7 +202,7 @@ class Flow:
         return np.concatenate([y[..., :width], np.zeros((*y.shape[:-1], count - width))], axis=-1)
 
 
-class Quick:
+class PointFunctions:
     """A flow as fast functions of one point, without conversions; for one thread.
 
     Parameters

@@ -23,7 +23,7 @@ from ..base.types import Floats
 from ..bodies.model import WORK
 from ..jobs.pipeline import Counted, here, ordered, shared, threads
 from .flow import ASKING, Flow, flow_of
-from .leg import Budget, Leg, Path
+from .leg import Leg, Path, TimeBudget
 from .taylor import (
     CORES,
     FINEST,
@@ -136,13 +136,13 @@ def ends(
     batches = min(1 if watch is None else TURNS, -(-count // lanes_of_batch()))
     with _lent(_batch(flow, max(tolerance, FINEST), effort), batches) as taken:
         steps = np.broadcast_to(most, count)
-        run = _Run(flow, taken, p, horizon, tolerance, steps, watch, result)
+        run = _LaneRun(flow, taken, p, horizon, tolerance, steps, watch, result)
         run.times, run.seconds = times, seconds
         run.to_the_end()
     return result
 
 
-class _Run:
+class _LaneRun:
     """Lanes in use: which launch each carries, and the launches that wait."""
 
     def __init__(
@@ -162,7 +162,7 @@ class _Run:
         self.times: Floats | None = None
         self.sampled = np.ones(len(p), dtype=np.intp)  # the start is the first
         self.seconds: Floats | None = None
-        self.budgets: dict[int, Budget] = {}
+        self.budgets: dict[int, TimeBudget] = {}
         self.width = batches[0].batch_size
         shape = len(batches), self.width
         self.lanes = np.full(shape, -1, dtype=np.intp)
@@ -202,7 +202,7 @@ class _Run:
             self.next += 1
             self._put(at, lane, mine)
             if self.seconds is not None:  # the lanes of a batch share its time
-                self.budgets[mine] = Budget(float(self.seconds[mine]) * self.width)
+                self.budgets[mine] = TimeBudget(float(self.seconds[mine]) * self.width)
             batch.state[:, lane] = self.found.state[mine]
             batch.pars[:, lane] = self.p[mine, : len(batch.pars)]
             if batch.with_events:

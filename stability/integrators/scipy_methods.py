@@ -13,7 +13,18 @@ import numpy as np
 
 from ..base.types import Floats
 from .flow import Evaluator
-from .leg import HALVINGS, LOWEST, UNRESOLVED, Budget, End, Integrator, Leg, Path, lost, too_many
+from .leg import (
+    HALVINGS,
+    LOWEST,
+    UNRESOLVED,
+    End,
+    Integrator,
+    Leg,
+    Path,
+    TimeBudget,
+    lost,
+    too_many,
+)
 
 FINEST = 100 * np.finfo(float).eps
 """Smallest relative tolerance that SciPy accepts."""
@@ -72,7 +83,7 @@ def integrate(
     options: dict[str, Any] = {"rtol": max(leg.tolerance, FINEST), "atol": leg.absolute}
     if implicit:
         options["jac"] = run.jacobian
-    samples, budget = _Samples(leg, clock), Budget(leg.seconds)
+    samples, budget = _Samples(leg, clock), TimeBudget(leg.seconds)
     steps, last = 0, float(leg.times[-1])
     if len(leg.times) == 1:
         return Path(leg.start[None], None, 0)

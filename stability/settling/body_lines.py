@@ -34,7 +34,7 @@ from ..bodies.round_body.shape import RoundShape
 from ..bodies.round_body.si_law import shape_of
 from ..bodies.round_body.thin import is_thin, unit_disk
 from ..systems.system import System
-from .line import Line, idle_under, signed
+from .line import FamilyLine, idle_under, signed
 from .settling import Settling
 from .surroundings import NOT_PROVED
 
@@ -89,7 +89,7 @@ def _settling(
     records: tuple[SteadyFamily, ...],
 ) -> Settling:
     line = partial(_line, body, law, parameters, resistance)
-    lines: list[Line] = []
+    lines: list[FamilyLine] = []
     # a law that sticks, and creep, have no equations at a pole
     smooth = [p for p in (1, -1) if not law.sticks and smooth_at(body, p)]
     smooth = [] if issubclass(law, Creep) else smooth
@@ -117,7 +117,7 @@ def _line(  # noqa: PLR0913
     theta: float,
     *,
     several: bool = False,
-) -> Line:
+) -> FamilyLine:
     """A family in the angles; `several` says that the body rolls at more than one inclination."""
     thin, name = is_thin(shape_of(body)), record.name
     family = round_family(
@@ -145,7 +145,7 @@ def _line(  # noqa: PLR0913
         reason = DRIFTS.format(name) if record.drifts and not resistance else ""
     elif record.rests:
         member |= _tumbling(body, system.p, system.parameters, y, sign)
-    return Line(
+    return FamilyLine(
         family.name,
         system,
         system.states,
@@ -219,7 +219,7 @@ def _vertical(
     parameters: tuple[str, ...],
     resistance: Resistances,
     pole: int,
-) -> Line:
+) -> FamilyLine:
     """Spin about the vertical axis at a pole, in the chart around it with x̂ along X."""
     word = 0 if pole == 1 else "pi"
     family = round_family(
@@ -228,7 +228,7 @@ def _vertical(
     family = replace(family, name=f"vertical at theta = {word}")
     system = pole_system(body, law, parameters, physical=False, near=pole, resistance=resistance)
     across = (*AXIS[:2], *TURN[:2], *SLIP)
-    return Line(
+    return FamilyLine(
         family.name,
         system,
         (SPIN, *across),

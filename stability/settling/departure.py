@@ -18,7 +18,7 @@ from ..spectra.deflation import lowered
 from ..spectra.problem import problem_of
 from ..spectra.spectrum import Rows
 from ..systems.family import Family
-from .line import Line, Near
+from .line import FamilyLine, Near
 from .settling import Settling
 
 GROWTH = 10.0
@@ -89,7 +89,7 @@ def departures(
     return said
 
 
-def _in_states(line: Line, off: Floats) -> Floats:
+def _in_states(line: FamilyLine, off: Floats) -> Floats:
     """Deviations in the states of the family's equations."""
     assert line.family is not None
     deviations = dict(zip(line.across, off.T, strict=True))

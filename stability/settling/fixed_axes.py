@@ -16,7 +16,7 @@ from ..bodies.contact_laws import Smooth
 from ..bodies.model import Chart, Model
 from ..bodies.quantities import round_quantities
 from ..bodies.round_body.pole_equations import AXIS, SLIP, TURN
-from .line import Line
+from .line import FamilyLine
 from .settling import Settling
 
 STATES = (*AXIS, *TURN, *SLIP)
@@ -69,7 +69,7 @@ class FixedSettling(Settling):
         """The states of the angles."""
         return self.chart.report(states)
 
-    def member(self, line: Line, states: Floats) -> Floats | None:
+    def member(self, line: FamilyLine, states: Floats) -> Floats | None:
         """The states of a member; None where these do not rest along fixed axes."""
         if line.chart is None:
             return None

@@ -61,7 +61,7 @@ class Near(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Line:
+class FamilyLine:
     """A family of steady motions, with the directions along it and across it."""
 
     name: str
@@ -254,7 +254,7 @@ class Line:
         )
 
 
-def nearest(lines: tuple[Line, ...], states: Floats, p: Floats) -> list[Near]:
+def nearest(lines: tuple[FamilyLine, ...], states: Floats, p: Floats) -> list[Near]:
     """The members of each of some families that are nearest to launches; one graph reads them all.
 
     Parameters
@@ -284,7 +284,7 @@ def nearest(lines: tuple[Line, ...], states: Floats, p: Floats) -> list[Near]:
     return members
 
 
-def _read(lines: tuple[Line, ...], states: Floats, arguments: Sequence[Floats]) -> Floats:
+def _read(lines: tuple[FamilyLine, ...], states: Floats, arguments: Sequence[Floats]) -> Floats:
     """The states y that name members, then the deviations e, of each family; shape (·, N)."""
     program = _reading(lines)
     blocks = [list(states.T[: program.inputs[0]]), *(list(g.T) for g in arguments), [math.pi / 2]]
@@ -297,7 +297,7 @@ def _read(lines: tuple[Line, ...], states: Floats, arguments: Sequence[Floats]) 
 
 
 @lru_cache(maxsize=64)
-def _reading(lines: tuple[Line, ...]) -> Program:
+def _reading(lines: tuple[FamilyLine, ...]) -> Program:
     """(states of a launch, given of each family, π/2) → y, then e, of each family."""
     functions = [line.reading for line in lines]
     x = ca.SX.sym("x", max((f.numel_in(0) for f in functions), default=0))

@@ -63,7 +63,7 @@ class Form(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Bounds:
+class NormalFormBounds:
     """Upper bounds; each has shape (N,) unless another one is given."""
 
     slowest: Floats
@@ -106,7 +106,9 @@ class Bounds:
     """The part of it that q leaves."""
 
 
-def normal_form(made: Derivatives, y: Floats, arguments: Floats) -> tuple[Form, Bounds]:
+def normal_form(
+    made: DerivativeTapes, y: Floats, arguments: Floats
+) -> tuple[Form, NormalFormBounds]:
     """The coordinates about members, and their bounds.
 
     Parameters
@@ -250,7 +252,7 @@ class _Parts:
         off = apply(np.abs(self.s), rb + LOOSE * np.abs(b), np.abs(self.x)) * WIDE
         return apply(self.s, b, self.x), off
 
-    def bounds(self, block: Floats, rate: Floats, form: Form) -> Bounds:
+    def bounds(self, block: Floats, rate: Floats, form: Form) -> NormalFormBounds:
         """What is left, with the inverse of Z enclosed as X (1 + F)⁻¹, F = Z X - 1."""
         (_, z, p, n, q, c), m = form, form.z.shape[1]
         eye = np.eye(m)
@@ -284,7 +286,7 @@ class _Parts:
         row, sizes = (c[:, None] @ block)[:, 0], (np.abs(c[:, None]) @ np.abs(block))[:, 0]
         of_c = np.abs(self.turn0[:, m] + row) * WIDE + LOOSE * (np.abs(self.turn0[:, m]) + sizes)
         line = norm(np.abs(self.turn0[:, m]) + self.turn_wide[:, m])
-        return Bounds(
+        return NormalFormBounds(
             rate,
             _bilinear_norm(p),
             norm(n),
@@ -354,7 +356,7 @@ def _bilinear_norm(t: Floats) -> Floats:
 
 
 @dataclass(frozen=True, eq=False)
-class Derivatives:
+class DerivativeTapes:
     """Tapes of the derivatives of (G, g), m + 1 rows."""
 
     across: int
@@ -370,7 +372,7 @@ class Derivatives:
 
 
 @lru_cache(maxsize=32)
-def derivatives(around: Surroundings) -> Derivatives:
+def derivatives(around: Surroundings) -> DerivativeTapes:
     """Tapes of a family's surroundings.
 
     Parameters
@@ -380,7 +382,7 @@ def derivatives(around: Surroundings) -> Derivatives:
 
     Returns
     -------
-    Derivatives
+    DerivativeTapes
 
     Raises
     ------
@@ -410,7 +412,7 @@ def derivatives(around: Surroundings) -> Derivatives:
 
     second = ca.vertcat(there[1], ca.reshape(there[2].T, -1, 1))
     flat = ca.reshape(there[0].T, -1, 1)
-    return Derivatives(
+    return DerivativeTapes(
         m,
         tape([y, arguments], flat),
         tape([y, arguments], second),
@@ -441,7 +443,9 @@ def _cut(a: list[Any], sizes: list[int]) -> list[list[Any]]:
     return [a[low:high] for low, high in zip(ends[:-1], ends[1:], strict=True)]
 
 
-def at_members(made: Derivatives, y: Floats, room: float, arguments: Floats) -> tuple[Floats, ...]:
+def at_members(
+    made: DerivativeTapes, y: Floats, room: float, arguments: Floats
+) -> tuple[Floats, ...]:
     """First, mixed and second derivatives at e = 0 with their radii, over y ± room.
 
     Parameters

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from ..base.errors import StabilityError
 from ..base.types import Floats
 from .box import Balls, Settled, attraction, boxes, nothing, tapes
-from .line import Line, Near, nearest
+from .line import FamilyLine, Near, nearest
 from .surroundings import NOT_PROVED, Surroundings
 from .tube import in_tube
 
@@ -201,7 +201,7 @@ class NearestMany:
 class Settling:
     """The families of steady motions on which motions of one body or system may settle."""
 
-    lines: tuple[Line, ...]
+    lines: tuple[FamilyLine, ...]
     """The families."""
     none: str = "no steady motion is near"
     """What is said where no family has a member."""
@@ -338,7 +338,7 @@ class Settling:
         """The states as the families name them."""
         return states
 
-    def member(self, line: Line, states: Floats) -> Floats | None:  # noqa: ARG002
+    def member(self, line: FamilyLine, states: Floats) -> Floats | None:  # noqa: ARG002
         """The states of a member, as launches are read, from those that the family names."""
         return states
 

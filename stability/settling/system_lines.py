@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ..base.errors import StabilityError
 from ..base.types import Floats
 from ..systems.family import Family
-from .line import Line
+from .line import FamilyLine
 from .settling import Settling
 
 KEPT = 4
@@ -46,7 +46,7 @@ def system_settling(families: tuple[Family, ...]) -> Settling:
 
 
 @lru_cache(maxsize=32)
-def _line(family: Family) -> Line:
+def _line(family: Family) -> FamilyLine:
     system = family.system
     along = tuple(n for n in system.states if n in family.at)
     u = ca.SX.sym("u", len(family.unknown))
@@ -58,7 +58,7 @@ def _line(family: Family) -> Line:
             "its members are found by a root-finder along "
             f"{', '.join(along)}, and convergence to those is not proved"
         )
-    return Line(
+    return FamilyLine(
         family.name,
         system,  # type: ignore[arg-type]  # motions are of systems with a graph
         system.states,

@@ -34,9 +34,9 @@ from .normal_form import (
     LOOSE,
     ROOM,
     WIDE,
-    Bounds,
-    Derivatives,
+    DerivativeTapes,
     Form,
+    NormalFormBounds,
     derivatives,
     norm,
     normal_form,
@@ -125,7 +125,12 @@ def tubes(around: Surroundings, y: Floats, arguments: Floats) -> Tubes:
 
 
 def _third(
-    made: Derivatives, form: Form, bounds: Bounds, y: Floats, arguments: Floats, r: Floats
+    made: DerivativeTapes,
+    form: Form,
+    bounds: NormalFormBounds,
+    y: Floats,
+    arguments: Floats,
+    r: Floats,
 ) -> tuple[Floats, Floats, NDArray[np.bool_]]:
     """Bounds of the terms of third order of z' and w' for |z| ≤ r, and where guards are positive.
 
@@ -147,7 +152,9 @@ def _third(
     return np.sqrt(np.square(across).sum(1)) * WIDE, along, clear
 
 
-def _largest(made: Derivatives, form: Form, b: Bounds, y: Floats, arguments: Floats) -> Tubes:
+def _largest(
+    made: DerivativeTapes, form: Form, b: NormalFormBounds, y: Floats, arguments: Floats
+) -> Tubes:
     """Nearly the largest radius at which the inequality holds, and what is within."""
     count = len(y)
     best, t, t_w, reach, rate, drift = np.zeros((6, count))
@@ -174,7 +181,9 @@ def _largest(made: Derivatives, form: Form, b: Bounds, y: Floats, arguments: Flo
     return Tubes(form.ell, form.z, form.q, form.c, *sizes, np.stack(inner, 1), np.stack(drifts, 1))
 
 
-def _tube(b: Bounds, r: Floats, third: Floats, along: Floats) -> tuple[Floats, Floats, Floats]:
+def _tube(
+    b: NormalFormBounds, r: Floats, third: Floats, along: Floats
+) -> tuple[Floats, Floats, Floats]:
     """R, β and D/R of tubes with given radii; R is 0 where the inequality does not hold."""
     spread = 1 - b.c * r * WIDE
     delta = 1.05 * (OFF + b.q * r * r) / spread
@@ -202,7 +211,7 @@ def _tube(b: Bounds, r: Floats, third: Floats, along: Floats) -> tuple[Floats, F
 
 
 def _left_over(
-    b: Bounds, r: Floats, delta: Floats, third: Floats, along: Floats
+    b: NormalFormBounds, r: Floats, delta: Floats, third: Floats, along: Floats
 ) -> tuple[Floats, Floats]:
     """K and K_w: bounds of what is left of u' and W' over |z|, for |z| ≤ r and |w| ≤ δ."""
     inner = b.p * r + b.n * delta  # |u - z| over |z|

@@ -139,7 +139,7 @@ class Reduced(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Place(Record):
+class MemberNumbers(Record):
     """Dimensionless numbers from which the linearisation of members is computed."""
 
     a: Floats
@@ -153,9 +153,9 @@ class Place(Record):
     roundings: tuple[int, ...]
     """Number of roundings in each column of a and q."""
 
-    def __getitem__(self, rows: slice) -> Place:
+    def __getitem__(self, rows: slice) -> MemberNumbers:
         a, q, u = self.a[rows], self.q[rows], self.u[rows]
-        return Place(a, q, u, self.rate[rows], self.roundings)
+        return MemberNumbers(a, q, u, self.rate[rows], self.roundings)
 
     def reduced(self, family: Family, zeros: int, *, watch: bool = False) -> Reduced:
         """The linearisation without structural zeros."""

@@ -26,7 +26,7 @@ from ..polynomials.zero_blocks import most_power
 from ..storage.text import csv_text
 from ..systems.family import Family
 from ..systems.structure.linearity import linear
-from .deflation import Place
+from .deflation import MemberNumbers
 from .eigenvalues import REASONS, Eigenpairs, Modes, lift, mode_labels, track
 from .labels import axis_attributes, of_package, origin, rate_attributes, verdict_attributes
 
@@ -331,7 +331,7 @@ NOT_ASKED = -1
 
 
 @dataclass(frozen=True, eq=False)
-class Proof(Record):
+class SpectrumProof(Record):
     """Proofs of the certified points of a spectrum."""
 
     abscissa_error: Floats
@@ -411,14 +411,14 @@ class Spectrum(Record):
     """Verdict as flag values (`Verdict.code`), shape (…)."""
     states: Floats
     """The steady motions, shape (…, states); of the disk dimensionless."""
-    place: Place
+    place: MemberNumbers
     """Dimensionless numbers of the members, one row for each point."""
     rate: Floats
     """Unit of rate: eigenvalues over their values in computations, shape (…); 1 for a user's
     system."""
     scale: Floats
     """Unit of each state, shape (…, states)."""
-    proof: Proof | None = None
+    proof: SpectrumProof | None = None
     """Proof of verdicts and eigenvalues, or None without certified points."""
     power: NDArray[np.int8] | None = None
     """Power of time with which structural zeros are proved to let a disturbance grow, a lower

@@ -29,10 +29,10 @@ from ..polynomials.zero_blocks import semisimple
 from ..systems.family import Family
 from ..systems.sources.numeric import Derivative, NumericSystem
 from ..systems.structure.structural_zeros import structure
-from .deflation import Place, Reduced, drift_powers, drifting
+from .deflation import MemberNumbers, Reduced, drift_powers, drifting
 from .eigenvalues import Eigenpairs, decide, eigenvalues
 from .problem import Problem, broadcast_shape, problem_of
-from .result import NOT_ASKED, Proof, Spectrum
+from .result import NOT_ASKED, Spectrum, SpectrumProof
 
 if TYPE_CHECKING:
     from ..polynomials.member import Member
@@ -52,7 +52,7 @@ STEADY = 1e-10
 
 
 @dataclass(frozen=True, eq=False)
-class NumericPlace(Place):
+class NumericPlace(MemberNumbers):
     """Members of a family of a numeric system, with the linearisation that is known there."""
 
     found: Reduced
@@ -222,7 +222,7 @@ class Rows:
         a, q, rate, self.shape = problem.arrays(problem.values)
         self._step = max(1, PIECE // size**2)
         u = self._joined(len(a), lambda piece: (family.solve(a[piece], q[piece]),))[0]
-        self.place = Place(a, q, u, rate, tuple(problem.roundings))
+        self.place = MemberNumbers(a, q, u, rate, tuple(problem.roundings))
         self.states: Floats = self._joined(
             len(a), lambda p: (family.checked_states(a[p], u[p], q[p]),)
         )[0]
@@ -521,7 +521,7 @@ def proved(
         radius=radius.reshape(spectrum.radius.shape),
         codes=codes.reshape(shape),
         power=None if powers is None else powers.reshape(shape),
-        proof=Proof(
+        proof=SpectrumProof(
             error.reshape(shape), bits.reshape(shape), escalated, spectrum.family.exact is not None
         ),
     )

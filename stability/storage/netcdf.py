@@ -284,7 +284,7 @@ def _bound(seconds: int, memory: int) -> None:
 # --- row by row ---
 
 
-class Rows:
+class NetcdfRows:
     """A NetCDF file that is written row by row.
 
     Parameters
@@ -321,7 +321,7 @@ def rows(
     attrs: Mapping[str, Any],
     *,
     overwrite: Overwrite = False,
-) -> Iterator[Rows]:
+) -> Iterator[NetcdfRows]:
     """Write a file row by row; it has its name, and a checksum, when all is there.
 
     Parameters
@@ -340,7 +340,7 @@ def rows(
             try:
                 with postponed():
                     file = _created(sink, layout, variables, coords, attrs)
-                written = Rows(file, sink)
+                written = NetcdfRows(file, sink)
                 yield written
                 written.note({ATTRIBUTE: STATEMENT})
             finally:

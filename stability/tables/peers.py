@@ -21,7 +21,7 @@ from ..systems.system import System
 from .benchmarks.bicycle import BENCHMARK, bicycle
 from .benchmarks.row import PUBLISHED, QUOTED, BenchmarkRow, Source, at_zero, symbols, system_of
 from .printed import Value, of_printed_values, printed_row
-from .table import About, Standing
+from .table import About, TableStanding
 
 BITS = 120
 """Working precision of a parameter at a proved member."""
@@ -53,7 +53,7 @@ CUSP = (
 )
 
 
-class Curve(NamedTuple):
+class SteadyCurve(NamedTuple):
     """Steady states along a curve in closed form."""
 
     system: System
@@ -70,16 +70,16 @@ def curve(
     members: dict[ca.SX, ca.SX],
     parameter: tuple[ca.SX, ca.SX],
     at: ca.SX,
-) -> Curve:
+) -> SteadyCurve:
     """The curve of steady states `members` of `rates`, at the parameter's value there."""
     states = [ca.SX.sym(x.name()) for x in members]
     shifted = [value + x for value, x in zip(members.values(), states, strict=True)]
     old, new = ca.vertcat(*members, parameter[0]), ca.vertcat(*shifted, parameter[1])
     moved = ca.vertsplit(ca.substitute(ca.vertcat(*rates), old, new))
-    return Curve(system_of(name, states, [at], moved), at, parameter[1])
+    return SteadyCurve(system_of(name, states, [at], moved), at, parameter[1])
 
 
-def _parameter(branch: Curve, member: Value) -> Value:
+def _parameter(branch: SteadyCurve, member: Value) -> Value:
     """The parameter at a member, in balls."""
     program = Program(ca.Function("parameter", [branch.at], [branch.parameter]))
     with precision(BITS):
@@ -87,7 +87,7 @@ def _parameter(branch: Curve, member: Value) -> Value:
         return float(ball), float(upper(abs(ball - arb(float(ball)))))
 
 
-def hopf_points(branch: Curve, low: float, high: float) -> list[Value]:
+def hopf_points(branch: SteadyCurve, low: float, high: float) -> list[Value]:
     """The parameter where a pair crosses, with its bound, in the order of the curve."""
     name = branch.at.name()
     changes = boundaries(at_zero(branch.system, "curve", name), axis=(name, low, high, 9))
@@ -95,7 +95,7 @@ def hopf_points(branch: Curve, low: float, high: float) -> list[Value]:
     return [_parameter(branch, (b.value, b.error)) for b in pairs]
 
 
-def folds(branch: Curve, low: float, high: float) -> list[Value]:
+def folds(branch: SteadyCurve, low: float, high: float) -> list[Value]:
     """The parameter at each fold, with its bound: every zero of its slope along the curve."""
     name, slope = branch.at.name(), ca.jacobian(branch.parameter, branch.at)
     slopes = System("slope", branch.at, ca.SX(0, 1), slope, states=(name,))
@@ -276,7 +276,7 @@ TABLE = of_printed_values(
         "manual, test or log of a code for each model, named in its rows",
         "values of the rows that are marked `published`",
         "every value by this package, with a proved bound, from the model's equations",
-        Standing.PARTLY,
+        TableStanding.PARTLY,
         largest=2e-3,
     ),
     cites=cited(proofs=True),

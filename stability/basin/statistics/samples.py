@@ -22,7 +22,7 @@ BLOCK = 4
 LARGEST_SEED = 2**128 - 1
 
 
-class Quantity(Protocol):
+class QuantityDistribution(Protocol):
     """Distribution of one quantity."""
 
     def at(self, share: Floats) -> Floats:
@@ -145,7 +145,7 @@ class Independent(Record):
     ('theta', 'omega3')
     """
 
-    quantities: Mapping[str, Quantity]
+    quantities: Mapping[str, QuantityDistribution]
     """Distribution of each quantity."""
 
     def __post_init__(self) -> None:
@@ -219,7 +219,7 @@ class Ball(Record):
         return np.asarray(centre + radius * unit)
 
 
-DistributionLike = Distribution | Mapping[str, Quantity]
+DistributionLike = Distribution | Mapping[str, QuantityDistribution]
 """A distribution, or independent quantities by name."""
 
 

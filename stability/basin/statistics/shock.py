@@ -140,7 +140,7 @@ def fatal_shock(
         float(positive(n, one_number(n, v)))
         for n, v in (("reach", reach), ("tolerance", tolerance))
     )
-    search = _Search(label, _Ball.of(start, scale, low, high), budget, reach, tolerance, seed)
+    search = _ShockSearch(label, _Ball.of(start, scale, low, high), budget, reach, tolerance, seed)
     search.run()
     return search.result()
 
@@ -192,7 +192,7 @@ class _SpentError(Exception):
     """The budget is spent."""
 
 
-class _Search:
+class _ShockSearch:
     """The state of a search; the questions depend on the answers before alone."""
 
     def __init__(

@@ -25,7 +25,7 @@ from ..quantities import round_quantities
 from ..resistance import Resistance
 from .height.pole_height import height_of_angle
 from .shape import RoundShape, of_fit
-from .si_law import Law, Numbers, Shape, shape_of
+from .si_law import BodySymbols, Law, Shape, shape_of
 from .thin import is_thin
 
 Resistances = tuple[type[Resistance], ...]
@@ -81,7 +81,7 @@ def _system(  # noqa: PLR0913
     slips: bool,  # noqa: FBT001
 ) -> System:
     name, height, *_ = shape
-    numbers = Numbers.of(
+    numbers = BodySymbols.of(
         shape, (*parameters, *(r.coefficient for r in resistance)), physical=physical
     )
     states = STATES if slips else STATES[:4]
@@ -123,7 +123,7 @@ def rough_round(shape: Shape, resistance: Resistances) -> System:
 @lru_cache(maxsize=32)
 def held_round(shape: Shape, resistance: Resistances) -> tuple[Program, Program]:
     """A body held to a slip in its angles, dimensionless: see `held_programs`."""
-    numbers = Numbers.of(shape, [r.coefficient for r in resistance], physical=False)
+    numbers = BodySymbols.of(shape, [r.coefficient for r in resistance], physical=False)
     x = ca.SX.sym("x", 4)
     along = height_of_angle(shape[1], x[0], numbers.own)
     law, slip = Law(Rough, numbers.table, ()), ca.vertsplit(SLIP)
@@ -133,7 +133,7 @@ def held_round(shape: Shape, resistance: Resistances) -> tuple[Program, Program]
 def _body(  # noqa: PLR0913
     x: ca.SX,
     along: ca.SX,
-    numbers: Numbers,
+    numbers: BodySymbols,
     law: Law,
     slips: bool,  # noqa: FBT001
     slip: list[ca.SX] | None = None,
@@ -160,7 +160,7 @@ def conditions_along(
     shape: Shape,
     law: type[Contact],
     parameters: Sequence[str],
-    numbers: Numbers,
+    numbers: BodySymbols,
     x: ca.SX,
     along: ca.SX,
 ) -> ca.SX:

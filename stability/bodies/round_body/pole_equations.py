@@ -26,7 +26,7 @@ from ..resistance import Resistance, total_moment
 from .equations import Resistances, with_quantities
 from .height.pole_height import NotSmoothError, height_of_cosine
 from .shape import RoundShape
-from .si_law import Law, Numbers, Shape, shape_of
+from .si_law import BodySymbols, Law, Shape, shape_of
 
 AXIS = ("axis_X", "axis_Y", "axis_Z")
 """Unit vector of the symmetry axis along fixed axes."""
@@ -168,7 +168,7 @@ def _system(  # noqa: PLR0913
     slips: bool,  # noqa: FBT001
 ) -> System:
     name, height, *_ = shape
-    numbers = Numbers.of(
+    numbers = BodySymbols.of(
         shape, (*parameters, *(r.coefficient for r in resistance)), physical=physical
     )
     axis = AXIS[:2] if near else AXIS
@@ -219,7 +219,7 @@ def rough_at_pole(shape: Shape, resistance: Resistances) -> System:
 @lru_cache(maxsize=32)
 def held_at_pole(shape: Shape, resistance: Resistances) -> tuple[Program, Program]:
     """A body held to a slip along fixed axes, dimensionless: see `held_programs`."""
-    numbers = Numbers.of(shape, [r.coefficient for r in resistance], physical=False)
+    numbers = BodySymbols.of(shape, [r.coefficient for r in resistance], physical=False)
     x, cosine = ca.SX.sym("x", 6), ca.SX.sym("c")
     height = cosine, height_of_cosine(shape[1], cosine, numbers.own)
     law = Law(Rough, numbers.table, ())

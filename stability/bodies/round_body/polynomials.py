@@ -23,12 +23,12 @@ from ...systems.closed_form import ClosedForm, ImplicitForm
 from ...systems.system import System
 from ..contact_laws import Contact, LinearViscous, Rough, Smooth, Viscous
 from ..disk_polynomials import stored_cases
-from ..explicit import Surface, surface
+from ..explicit import ContactGeometry, surface
 from ..families import tumbling
 from .equations import conditions_along
-from .height.expression import Expression
+from .height.expression import ShapeFunction
 from .height.pole_height import height_of_angle
-from .si_law import Numbers, Shape
+from .si_law import BodySymbols, Shape
 
 DATA = "body_polynomials.json"
 """The file of derived polynomials, next to this module."""
@@ -92,12 +92,12 @@ def closed_form(
         None
         if record is None
         else _Formulas(system, name, record).of(
-            shape, Numbers.of(shape, parameters, physical=physical), law, parameters, start
+            shape, BodySymbols.of(shape, parameters, physical=physical), law, parameters, start
         )
     )
 
 
-def _waves(height: Expression) -> int:
+def _waves(height: ShapeFunction) -> int:
     """Number of sines and cosines in a height."""
     return sum(code in (ca.OP_SIN, ca.OP_COS) for code in operations(height.function))
 
@@ -113,7 +113,7 @@ class _Formulas:
     def of(
         self,
         shape: Shape,
-        numbers: Numbers,
+        numbers: BodySymbols,
         law: type[Contact],
         parameters: Sequence[str],
         start: float | None,
@@ -174,7 +174,7 @@ class _Formulas:
         shape: Shape,
         law: type[Contact],
         parameters: Sequence[str],
-        numbers: Numbers,
+        numbers: BodySymbols,
         h: ca.SX,
         state: ca.SX,
     ) -> ca.SX:
@@ -188,7 +188,7 @@ class _Formulas:
         here = [ca.densify(state), ca.densify(numbers.p)]
         return ca.SX(ca.substitute([asked], [x, p], here)[0])
 
-    def _series(self, height: Expression, symbols: Sequence[ca.SX]) -> ca.SX:
+    def _series(self, height: ShapeFunction, symbols: Sequence[ca.SX]) -> ca.SX:
         """A height of many waves as it is given: each of a wide interval is within [-1, 1].
 
         By the recurrence of `height_of_angle` enclosures grow with a power of the number of waves.
@@ -205,7 +205,7 @@ class _Formulas:
         self.constants.append((ca.SX.sym(f"c{len(self.constants)}"), float(number)))
         return self.constants[-1][0]
 
-    def _member(self, body: Surface, turn: ca.SX) -> tuple[dict[str, ca.SX], list[ca.SX]]:
+    def _member(self, body: ContactGeometry, turn: ca.SX) -> tuple[dict[str, ca.SX], list[ca.SX]]:
         """φ̇ and ω₃ without unit, and numbers that are positive at every member."""
         h, slope, _, r, z, s, c, i1, i3 = body
         if self.name == "rolling":

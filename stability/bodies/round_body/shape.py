@@ -17,7 +17,7 @@ from ...base.errors import NameUnknownError, ParameterError, shown
 from ...base.quantities import ONE
 from ...base.types import Record
 from ..newton_euler import STATES
-from .height.expression import Expression
+from .height.expression import ShapeFunction
 
 SCALES = ("mass", "gravity", "length")
 """Dimensional quantities of a body."""
@@ -140,7 +140,7 @@ class RoundShape(Record):
     def given(self) -> dict[str, Any]:
         """Every number of the body by name: scales, shape, and moments that are numbers."""
         moments = {n: getattr(self, n) for n in MOMENTS}
-        moments = {n: v for n, v in moments.items() if not isinstance(v, Expression)}
+        moments = {n: v for n, v in moments.items() if not isinstance(v, ShapeFunction)}
         return {n: getattr(self, n) for n in SCALES} | dict(self.shape) | moments
 
     @property
@@ -153,7 +153,7 @@ class RoundShape(Record):
         moments = []
         for name in MOMENTS:
             value = getattr(self, name)
-            if isinstance(value, Expression):
+            if isinstance(value, ShapeFunction):
                 value = self.array(value.function, *self.shape.values())
             moments.append(value)
         return moments[0], moments[1]

@@ -10,10 +10,12 @@ import casadi as ca
 
 from ...base.quantities import Units
 from ..contact_laws import MOTION_LAWS, Contact, LinearViscous
-from .height.expression import Expression
+from .height.expression import ShapeFunction
 from .shape import MOMENTS, SCALES, RoundShape
 
-Shape = tuple[str, Expression, tuple[Expression | None, ...], tuple[str, ...], tuple[float, float]]
+Shape = tuple[
+    str, ShapeFunction, tuple[ShapeFunction | None, ...], tuple[str, ...], tuple[float, float]
+]
 """Name, height, moments (None for a number), names of the shape's numbers, range of θ."""
 
 
@@ -26,14 +28,14 @@ def shape_of(body: RoundShape) -> Shape:
         The body.
     """
     moments = tuple(
-        m if isinstance(m, Expression) else None for m in (getattr(body, n) for n in MOMENTS)
+        m if isinstance(m, ShapeFunction) else None for m in (getattr(body, n) for n in MOMENTS)
     )
     height: Any = body.height
     return body.name, height, moments, tuple(body.shape), body.between
 
 
 @dataclass(frozen=True, eq=False)
-class Numbers:
+class BodySymbols:
     """Symbols of the parameters of a body's equations."""
 
     names: tuple[str, ...]
@@ -44,7 +46,7 @@ class Numbers:
     """Symbols of the shape's numbers."""
 
     @classmethod
-    def of(cls, shape: Shape, parameters: Sequence[str], *, physical: bool) -> Numbers:
+    def of(cls, shape: Shape, parameters: Sequence[str], *, physical: bool) -> BodySymbols:
         """The numbers of a body under a law.
 
         Parameters

@@ -31,7 +31,7 @@ from ..brackets import (
 )
 from ..interval_search.pieces import BRANCH
 from .candidates import Candidate, Watched
-from .members import OPEN, Branch, Cell, Members
+from .members import OPEN, AxisMembers, BranchMembers, CandidateCell
 from .one_variable import of_exact, of_family
 from .tower import AxisPolynomial, Tower
 
@@ -61,7 +61,7 @@ def members_along(
     digits: int = DIGITS,
     *,
     every: bool = False,
-) -> Members:
+) -> AxisMembers:
     """The members along an axis, with every candidate for a change of their verdict.
 
     Parameters
@@ -111,7 +111,7 @@ def members_along(
     proved = polynomial.factored.zeros
     if proved < zeros.zeros:
         raise NotExact("zeros by structure are not proved")
-    return Branch(line, Tower(polynomial), budget, extra=proved > zeros.zeros)
+    return BranchMembers(line, Tower(polynomial), budget, extra=proved > zeros.zeros)
 
 
 def _coefficients(entry: Expression) -> list[Any]:
@@ -135,7 +135,7 @@ class Judge:
     what = "the verdict"
     """What is compared on both sides of a candidate."""
 
-    def __init__(self, line: AxisScan, members: Members, low: float, high: float) -> None:
+    def __init__(self, line: AxisScan, members: AxisMembers, low: float, high: float) -> None:
         self.line, self.members, self.low, self.high = line, members, low, high
         self.name = line.problem.family.name
         self.points: list[BoundaryPoint] = []
@@ -148,7 +148,7 @@ class Judge:
         left = tuple(tidy(self.left))
         return Boundaries(tuple(self.points), left, tuple(self.touching), self.members.how)
 
-    def side(self, cell: Cell) -> Any:
+    def side(self, cell: CandidateCell) -> Any:
         """What is proved of the members in a piece; None for nothing."""
         return cell.look.sign or None
 
@@ -173,7 +173,7 @@ class Judge:
             others = [c[0].value for j, c in enumerate(changes) if abs(i - j) == 1]
             self.change(*change, others)
 
-    def _judged(self, candidate: Candidate, below: Cell, above: Cell) -> bool:
+    def _judged(self, candidate: Candidate, below: CandidateCell, above: CandidateCell) -> bool:
         """Whether the verdict changes at a candidate; anything else is recorded."""
         sides = self.side(below), self.side(above)
         if None in sides:
@@ -206,7 +206,7 @@ class Judge:
         has = "has" if self.members.exact else "may have"
         return POLE.format(family=self.name, has=has, what=self.what, said=said)
 
-    def _closed(self, candidate: Candidate, below: Cell, above: Cell) -> bool:
+    def _closed(self, candidate: Candidate, below: CandidateCell, above: CandidateCell) -> bool:
         """Whether the member at an end has the verdict of those inside; beyond there is none."""
         for end, inner in ((self.low, above), (self.high, below)):
             if candidate.value == arb(end) and inner.look.sign:
@@ -214,7 +214,9 @@ class Judge:
                     return self.line.sign(end) == inner.look.sign
         return False
 
-    def single(self, candidate: Candidate, kept: list[Watched], below: Cell, above: Cell) -> None:
+    def single(
+        self, candidate: Candidate, kept: list[Watched], below: CandidateCell, above: CandidateCell
+    ) -> None:
         """A candidate between members that are alike."""
         sign = below.look.sign
         if sign > 0:
@@ -230,7 +232,9 @@ class Judge:
         elif not unstable:
             self.touching.append(float(candidate.value.mid()))
 
-    def change(self, candidate: Candidate, below: Cell, above: Cell, others: list[Any]) -> None:
+    def change(
+        self, candidate: Candidate, below: CandidateCell, above: CandidateCell, others: list[Any]
+    ) -> None:
         """A change of verdict as a proved bracket."""
         root = self.root(candidate)
         room = min((float(abs(v - candidate.value).mid()) for v in others), default=math.inf)

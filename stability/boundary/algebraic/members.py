@@ -65,7 +65,7 @@ JUMP = (
 
 
 @dataclass(frozen=True)
-class Look:
+class AxisVerdict:
     """What is proved at one value of the axis."""
 
     sign: int
@@ -77,7 +77,7 @@ class Look:
 
 
 @dataclass(frozen=True)
-class Cell:
+class CandidateCell:
     """A piece between neighbouring candidates."""
 
     low: Any
@@ -86,7 +86,7 @@ class Cell:
     """Ball of its high end."""
     place: float
     """Number at which its member was examined, or next to it."""
-    look: Look
+    look: AxisVerdict
     """What is proved there."""
     doubts: tuple[tuple[Any, Any, str], ...] = ()
     """Parts (low, high, reason) in which the root-finder gives other members, or none."""
@@ -94,7 +94,7 @@ class Cell:
     """Rational value of the base variable, where the verdict is exact there."""
 
 
-class Members(ABC):
+class AxisMembers(ABC):
     """The members along an axis, with every candidate for a change of their verdict."""
 
     line: AxisScan
@@ -114,25 +114,25 @@ class Members(ABC):
     """Values at which there is no member."""
 
     @cached_property
-    def cells(self) -> list[Cell]:
+    def cells(self) -> list[CandidateCell]:
         """The piece below each candidate, and the last one above them all."""
         return [self.cell(low, high) for low, high in pairwise(self.candidates.fence)]
 
-    def between(self) -> Iterator[tuple[Candidate, Cell, Cell]]:
+    def between(self) -> Iterator[tuple[Candidate, CandidateCell, CandidateCell]]:
         """Each candidate with the pieces below and above."""
         if self.candidates.found:
             yield from zip(self.candidates.found, self.cells, self.cells[1:], strict=False)
 
     @abstractmethod
-    def cell(self, low: Any, high: Any) -> Cell:
+    def cell(self, low: Any, high: Any) -> CandidateCell:
         """What is proved between two neighbouring candidates, or a candidate and an end."""
 
     @abstractmethod
-    def unstable_in(self, cell: Cell) -> list[int] | None:
+    def unstable_in(self, cell: CandidateCell) -> list[int] | None:
         """Number of unstable eigenvalues of each factor in a piece; None where not proved."""
 
     @abstractmethod
-    def holds(self, value: float, cell: Cell) -> bool:
+    def holds(self, value: float, cell: CandidateCell) -> bool:
         """Whether the member at a number in a piece is proved to be that of the piece."""
 
     @abstractmethod
@@ -144,11 +144,13 @@ class Members(ABC):
         """Polynomials that are not proved to differ from zero; None without a member."""
 
     @abstractmethod
-    def joined(self, candidate: Candidate, below: Cell, above: Cell) -> bool:
+    def joined(self, candidate: Candidate, below: CandidateCell, above: CandidateCell) -> bool:
         """Whether the members on both sides of a candidate lie on one branch through it."""
 
     @abstractmethod
-    def meets(self, candidate: Candidate, kept: list[Watched], below: Cell, above: Cell) -> bool:
+    def meets(
+        self, candidate: Candidate, kept: list[Watched], below: CandidateCell, above: CandidateCell
+    ) -> bool:
         """Whether one of some polynomials is proved to vanish at a candidate."""
 
     @abstractmethod
@@ -156,7 +158,7 @@ class Members(ABC):
         """Whether the member at a candidate is unstable; None where this is not proved."""
 
     @abstractmethod
-    def sign(self, value: float, cell: Cell) -> int:
+    def sign(self, value: float, cell: CandidateCell) -> int:
         """The proved verdict at a number in a piece; 0 where none is proved."""
 
     def rate(self, candidate: Candidate, root: float) -> float:  # noqa: ARG002
@@ -188,7 +190,7 @@ def growing(polys: Sequence[Any], balls: list[Any], zero: Callable[[Any], bool])
     return None if sign == 0 else sign < 0
 
 
-class Branch(Members):
+class BranchMembers(AxisMembers):
     """The members of a family with functions of the axis, or with unknowns."""
 
     exact = False
@@ -212,7 +214,7 @@ class Branch(Members):
 
     # --- at a number ---
 
-    def look(self, value: float) -> Look:
+    def look(self, value: float) -> AxisVerdict:
         """The verdict and the branch at a number."""
         reason, label = OPEN, None
         for bits in LADDER:
@@ -220,17 +222,17 @@ class Branch(Members):
                 try:
                     full = self._full(arb(value))
                 except (StabilityError, ZeroDivisionError):
-                    return Look(0, None, NO_MEMBER)
+                    return AxisVerdict(0, None, NO_MEMBER)
                 values = self._compact(full)
                 if not all(v.is_finite() for v in values.values()):
-                    return Look(0, None, NO_VALUE)
+                    return AxisVerdict(0, None, NO_VALUE)
                 if self.tower.polynomial.elsewhere(full) is not None:
-                    return Look(0, None, OTHER)
+                    return AxisVerdict(0, None, OTHER)
                 label = self._label(values)
                 sign = self._sign(values) if label is not None and self._regular(values) else 0
             if sign:
-                return Look(sign, label, "")
-        return Look(0, label, reason)
+                return AxisVerdict(sign, label, "")
+        return AxisVerdict(0, label, reason)
 
     def known(self, value: Any) -> Mapping[int, Any]:
         """Values of the polynomials' variables at a ball of the axis.
@@ -254,7 +256,7 @@ class Branch(Members):
     def _compact(self, values: Mapping[int, Any]) -> dict[int, Any]:
         return {new: values[old] for new, old in enumerate(self.tower.whole.indices)}
 
-    def sign(self, value: float, cell: Cell) -> int:
+    def sign(self, value: float, cell: CandidateCell) -> int:
         """The proved verdict at a number, by the graph or the polynomials; 0 on another branch."""
         look = self.look(value)
         if look.label != cell.look.label:
@@ -309,13 +311,13 @@ class Branch(Members):
 
     # --- between candidates ---
 
-    def cell(self, low: Any, high: Any) -> Cell:
+    def cell(self, low: Any, high: Any) -> CandidateCell:
         """What is proved between two neighbouring candidates, or a candidate and an end."""
         looks = list(self._looks(low, high))
         proved = [(place, look) for place, look in looks if look.sign]
         if not proved:
-            place, look = looks[0] if looks else (math.nan, Look(0, None, NEAR))
-            return Cell(low, high, place, look)
+            place, look = looks[0] if looks else (math.nan, AxisVerdict(0, None, NEAR))
+            return CandidateCell(low, high, place, look)
         [(label, _)] = Counter(look.label for _, look in proved).most_common(1)
         good = [entry for entry in proved if entry[1].label == label]
         if len({look.sign for _, look in good}) > 1:
@@ -328,9 +330,9 @@ class Branch(Members):
                 above = next(i for i, f in enumerate(fence) if f > value)
                 reason = JUMP if other.sign else other.reason
                 doubts.append((fence[above - 1], fence[above], reason))
-        return Cell(low, high, place, look, tuple(doubts))
+        return CandidateCell(low, high, place, look, tuple(doubts))
 
-    def _looks(self, low: Any, high: Any) -> Iterator[tuple[float, Look]]:
+    def _looks(self, low: Any, high: Any) -> Iterator[tuple[float, AxisVerdict]]:
         """Numbers in a piece, in increasing order, with what is proved there.
 
         One number is enough where nothing is solved for.  A root-finder may pass to another branch
@@ -352,7 +354,7 @@ class Branch(Members):
             if look.sign and shares is SHARES:
                 return
 
-    def unstable_in(self, cell: Cell) -> list[int] | None:
+    def unstable_in(self, cell: CandidateCell) -> list[int] | None:
         """Counted in balls, at numbers where the member is proved."""
         if not cell.look.sign:
             return None
@@ -371,7 +373,7 @@ class Branch(Members):
                 return [power * (n or 0) for n, power in zip(counts, powers, strict=True)]
         return None
 
-    def holds(self, value: float, cell: Cell) -> bool:
+    def holds(self, value: float, cell: CandidateCell) -> bool:
         """Whether the member lies on the branch of the piece."""
         return self.look(value).label == cell.look.label
 
@@ -405,7 +407,7 @@ class Branch(Members):
                 break
         return left
 
-    def joined(self, candidate: Candidate, below: Cell, above: Cell) -> bool:
+    def joined(self, candidate: Candidate, below: CandidateCell, above: CandidateCell) -> bool:
         """Whether the members on both sides of a candidate lie on one branch through it."""
         labels = [below.look.label, above.look.label]
         if not candidate.kinds & {"fold", "pole", "end"}:
@@ -422,7 +424,9 @@ class Branch(Members):
                 return True
         return False
 
-    def meets(self, candidate: Candidate, kept: list[Watched], below: Cell, above: Cell) -> bool:
+    def meets(
+        self, candidate: Candidate, kept: list[Watched], below: CandidateCell, above: CandidateCell
+    ) -> bool:
         """Whether one of some polynomials is proved to vanish at a candidate."""
         return any(self._vanishes(candidate, what, (below.place, above.place)) for what in kept)
 

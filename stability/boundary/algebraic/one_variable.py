@@ -52,7 +52,7 @@ from ...systems.structure.structural_zeros import structure
 from ..brackets import AxisScan
 from ..pairs import crossing, grows, meeting, unstable_count
 from .candidates import Candidate, Candidates, Watched, critical, in_base
-from .members import FINE_BITS, NEAR, SHARES, Cell, Look, Members, growing
+from .members import FINE_BITS, NEAR, SHARES, AxisMembers, AxisVerdict, CandidateCell, growing
 from .tower import AxisPolynomial, Base
 
 POSITIVE = ("k", "mu", "c", "mass", "radius", "gravity")
@@ -67,7 +67,7 @@ Row = list[Any]
 """Coefficients of a factor by powers of λ, lowest first: `fmpq_poly` in the variable."""
 
 
-class Conditions:
+class StoredConditions:
     """Stored conditions: all positive, or some negative.
 
     Parameters
@@ -100,7 +100,7 @@ class Conditions:
         )
 
 
-class Factors:
+class FactoredPolynomial:
     """A characteristic polynomial in factors, and the poles of the linearisation.
 
     Parameters
@@ -155,7 +155,7 @@ class Factors:
 
 
 class SineFactors:
-    """As `Factors`, with polynomials in x and a transcendental sine s; for counts alone."""
+    """As `FactoredPolynomial`, with polynomials in x and a transcendental sine s; for counts."""
 
     def __init__(
         self,
@@ -215,7 +215,7 @@ def _in_s(coefficients: Sequence[Any]) -> Any:
     return sum((c * s**k for k, c in enumerate(coefficients)), RING.constant(0))
 
 
-class OneVariable(Members):
+class OneVariable(AxisMembers):
     """Members whose verdict follows from polynomials in the axis, or in the sine of it.
 
     Parameters
@@ -242,7 +242,7 @@ class OneVariable(Members):
     def __init__(
         self,
         line: AxisScan,
-        source: Conditions | Factors | SineFactors,
+        source: StoredConditions | FactoredPolynomial | SineFactors,
         base: Base,
         ends: tuple[float | None, float | None],
         *,
@@ -251,7 +251,7 @@ class OneVariable(Members):
         bits: int = BITS,
     ) -> None:
         self.line, self.source, self.dissipative = line, source, dissipative
-        self.even = [] if isinstance(source, Conditions) else source.even
+        self.even = [] if isinstance(source, StoredConditions) else source.even
         self._sign = cache(source.sign)  # of an inclination two pieces may share their sine
         if line.problem.family.exact:
             self.how += ", from the family's polynomial"
@@ -265,7 +265,7 @@ class OneVariable(Members):
         self.missing = [0.0] if none and around else []
         """Values at which there is no member."""
 
-    def cell(self, low: Any, high: Any) -> Cell:
+    def cell(self, low: Any, high: Any) -> CandidateCell:
         """The exact verdict at a rational between two neighbouring candidates."""
         base = self.candidates.base
         with precision(self.candidates.bits):
@@ -278,23 +278,25 @@ class OneVariable(Members):
                     if any(low < x < high for x in base.back(z, low, high)):
                         sign = self._sign(z.fmpq())
                         if sign:
-                            return Cell(low, high, math.nan, Look(sign, (), ""), sample=z.fmpq())
+                            return CandidateCell(
+                                low, high, math.nan, AxisVerdict(sign, (), ""), sample=z.fmpq()
+                            )
                         break
-        return Cell(low, high, math.nan, Look(0, None, NEAR))
+        return CandidateCell(low, high, math.nan, AxisVerdict(0, None, NEAR))
 
-    def unstable_in(self, cell: Cell) -> list[int] | None:
+    def unstable_in(self, cell: CandidateCell) -> list[int] | None:
         """Counted over Q."""
-        if cell.sample is None or isinstance(self.source, Conditions):
+        if cell.sample is None or isinstance(self.source, StoredConditions):
             return None
         return self.source.unstable(cell.sample)
 
-    def holds(self, value: float, cell: Cell) -> bool:  # noqa: ARG002
+    def holds(self, value: float, cell: CandidateCell) -> bool:  # noqa: ARG002
         """There is one member at every number."""
         return True
 
     def factors_at(self, candidate: Candidate) -> list[tuple[list[Any], int]]:
         """Factors in balls at a candidate, each with its power."""
-        assert not isinstance(self.source, Conditions)
+        assert not isinstance(self.source, StoredConditions)
         root = self.candidates.base.variable(self.candidates.refined(candidate, FINE_BITS))
         with precision(FINE_BITS):
             return list(zip(self.source.at(root), self.source.powers, strict=True))
@@ -303,11 +305,17 @@ class OneVariable(Members):
         """Every watched polynomial is its own norm."""
         return list(candidate.watched)
 
-    def joined(self, candidate: Candidate, below: Cell, above: Cell) -> bool:  # noqa: ARG002
+    def joined(self, candidate: Candidate, below: CandidateCell, above: CandidateCell) -> bool:  # noqa: ARG002
         """The members are a function of the axis."""
         return True
 
-    def meets(self, candidate: Candidate, kept: list[Watched], below: Cell, above: Cell) -> bool:  # noqa: ARG002
+    def meets(
+        self,
+        candidate: Candidate,
+        kept: list[Watched],
+        below: CandidateCell,
+        above: CandidateCell,  # noqa: ARG002
+    ) -> bool:
         """Every watched polynomial is its own norm."""
         return True
 
@@ -316,7 +324,7 @@ class OneVariable(Members):
         source = self.source
         assert not isinstance(source, SineFactors)
         with precision(max(BITS, min(candidate.root.rel_accuracy_bits(), MOST_BITS)) + GUARD):
-            if isinstance(source, Factors):
+            if isinstance(source, FactoredPolynomial):
                 return self._grows(source, candidate)
             if source.negative(candidate.root):
                 return True
@@ -325,7 +333,7 @@ class OneVariable(Members):
         return False if certified(self.line.problem, place) is Verdict.NEUTRAL else None
 
     @staticmethod
-    def _grows(source: Factors, candidate: Candidate) -> bool | None:
+    def _grows(source: FactoredPolynomial, candidate: Candidate) -> bool | None:
         balls = source.at(candidate.root)
         if any(map(grows, balls)):
             return True
@@ -343,16 +351,18 @@ class OneVariable(Members):
         ]
         return True if True in growth else None if None in growth else False
 
-    def sign(self, value: float, cell: Cell) -> int:  # noqa: ARG002
+    def sign(self, value: float, cell: CandidateCell) -> int:  # noqa: ARG002
         """The proved verdict at a double: from the graph, by Routh's array or over Q."""
         if self.line.problem.exact is None:
             return self._exactly(value)
-        if isinstance(self.source, Factors):  # balls see no eigenvalue that stays on the axis
+        if isinstance(
+            self.source, FactoredPolynomial
+        ):  # balls see no eigenvalue that stays on the axis
             return self._exactly(value) or self._by_graph(value)
         return self._by_graph(value) or self._exactly(value)
 
     def _exactly(self, value: float) -> int:
-        if isinstance(self.source, Conditions):
+        if isinstance(self.source, StoredConditions):
             proof = decided(Point(self.line.problem, self.line.fixed | {self.line.axis: value}))
             return self.line.sign_of(proof.verdict, proof.nearby)
         return 0 if self.candidates.base.turned else self.source.sign(rational(value))
@@ -366,7 +376,7 @@ class OneVariable(Members):
     def rate(self, candidate: Candidate, root: float) -> float:
         """|Im λ| of the pair that meets the imaginary axis at a candidate."""
         if self.line.problem.exact is None:
-            assert isinstance(self.source, Factors)
+            assert isinstance(self.source, FactoredPolynomial)
             with precision(MEMBER_BITS):  # more digits than a double needs slow the roots down
                 return self.source.frequency((candidate.root * 1).mid().fmpq())
         return super().rate(candidate, root)
@@ -394,7 +404,7 @@ def of_family(
     form, problem = polynomial.factored, line.problem
     rows = [[univariate(c) for c in row] for row, _ in form.factors]
     powers = [power for _, power in form.factors]
-    source = Factors(rows, powers, [univariate(p) for p in form.nonzero])
+    source = FactoredPolynomial(rows, powers, [univariate(p) for p in form.nonzero])
     zeros = structure(problem.family).zeros  # refuses what is declared conservative and is not
     base = Base("positive" if not problem.plain and line.axis in POSITIVE else "plain")
     good = form.zeros <= zeros and not any(source.even)
@@ -433,7 +443,7 @@ def of_exact(
         cleared = [(kind, q.num * q.den) for kind, q in quotients]
         if all(not p.is_zero() for _, p in cleared):
             good, edge = not problem.family.conservative, edge and bool(angle)
-            source = Conditions(cleared, sine)
+            source = StoredConditions(cleared, sine)
             return OneVariable(line, source, base, ends, dissipative=good, edge=edge, bits=bits)
     # with `every`, or where a condition vanishes all along the axis: the polynomial is searched
     source_ = _itself(exact, problem.rationals(line.fixed), axis, angle)
@@ -442,7 +452,7 @@ def of_exact(
 
 def _itself(
     exact: ExactPolynomial, fixed: Mapping[str, Any], axis: str, angle: str
-) -> Factors | SineFactors:
+) -> FactoredPolynomial | SineFactors:
     """The polynomial in factors, where conditions say less."""
     field = FunctionField(("x", "s", "λ"), spare=0)
     axes = {**fixed, axis: field.symbols[0]}
@@ -468,7 +478,7 @@ def _itself(
         flat = [[in_base(c) for c in row] for row in rows]
         return SineFactors(flat, powers, [in_base(p) for p in poles], sine)
     plain = [[univariate(c) for c in row] for row in rows]
-    return Factors(plain, powers, [univariate(p) for p in poles])
+    return FactoredPolynomial(plain, powers, [univariate(p) for p in poles])
 
 
 def _tabulated(

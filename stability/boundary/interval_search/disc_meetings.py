@@ -82,7 +82,7 @@ class Suspect(NamedTuple):
     """Whether its real part changes sign, proved; otherwise it stays off the axis."""
 
 
-class Discs(NamedTuple):
+class PieceDiscs(NamedTuple):
     """What discs prove of a piece."""
 
     suspects: list[Suspect]
@@ -238,7 +238,7 @@ def _carried(span: Span) -> Carried | None:
     return None
 
 
-def discs(carried: Carried, zeros: int) -> Discs | None:
+def discs(carried: Carried, zeros: int) -> PieceDiscs | None:
     """Which eigenvalues meet the axis; None where this is not proved.
 
     Parameters
@@ -266,7 +266,7 @@ def discs(carried: Carried, zeros: int) -> Discs | None:
         place = float(np.clip(-centre[i].real / turn[i].real, -1, 1))
         value, vector = complex(carried.values[i]), carried.vectors[:, i]
         suspects.append(Suspect(value, vector, place, ends[0] != ends[1]))
-    return Discs(suspects)
+    return PieceDiscs(suspects)
 
 
 def _entries(first: Floats, table: Floats, gap: Floats) -> Floats | None:
@@ -384,7 +384,7 @@ class DiscMeetings(GraphMeetings):
         self.ended.remove((piece.low, piece.high))
         return super().zeros_in(super().piece(piece.low, piece.high))
 
-    def _found(self, piece: DiscPiece) -> list[tuple[list[int], Discs]] | None:
+    def _found(self, piece: DiscPiece) -> list[tuple[list[int], PieceDiscs]] | None:
         """The blocks that forms leave open, with what discs prove of them."""
         open_blocks = []
         with np.errstate(all="ignore"):  # what overflows proves nothing

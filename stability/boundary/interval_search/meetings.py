@@ -49,7 +49,7 @@ class NoValueError(ArithmeticError):
 
 
 @dataclass
-class Basis:
+class NarrowingBasis:
     """Regular matrices that carry the functions of one block to narrow ones."""
 
     left: Any
@@ -69,7 +69,7 @@ def finite(matrix: Any) -> bool:
     return all(v.is_finite() for v in matrix.entries())
 
 
-def basis_of(matrix: Any) -> Basis:
+def basis_of(matrix: Any) -> NarrowingBasis:
     """A basis in which a matrix is nearly diagonal, with its inverse divided by its size."""
     import scipy.linalg
 
@@ -84,7 +84,7 @@ def basis_of(matrix: Any) -> Basis:
         largest = float(np.abs(values).max())
         scale = 2.0 ** round(math.log2(largest)) if largest > 1e-100 else 1.0
     exact = arb_mat(right.tolist())
-    return Basis(exact.inv() / arb(scale), exact, scale)
+    return NarrowingBasis(exact.inv() / arb(scale), exact, scale)
 
 
 def polynomial(matrix: Sequence[Any], *, fold: bool) -> list[Form]:
@@ -114,7 +114,7 @@ def polynomial(matrix: Sequence[Any], *, fold: bool) -> list[Form]:
     return poly[::-1]
 
 
-def determinant(poly: Sequence[Form], basis: Basis, *, fold: bool) -> Form:
+def determinant(poly: Sequence[Form], basis: NarrowingBasis, *, fold: bool) -> Form:
     """A function with the zeros of the Hurwitz determinant of order n - 1."""
     size = len(poly) - 2
     table = [arb_mat(hurwitz_matrix(order, size, arb(0))) for order in zip(*poly, strict=True)]
@@ -159,7 +159,7 @@ WIDER = 2.0**-16
 
 
 @dataclass
-class Piece:
+class EnclosedPiece:
     """A piece of the axis with what was enclosed there."""
 
     low: float
@@ -171,7 +171,7 @@ class Piece:
     """Value and derivative over all of the piece; empty where there is no derivative."""
     box: list[Any]
     """The unknowns over the piece, each the only root of the equations nearby."""
-    bases: list[Basis]
+    bases: list[NarrowingBasis]
     """One for each block."""
 
 
@@ -369,7 +369,7 @@ class GraphMeetings(Meetings):
         wide = arb(middle, (half * (1 + WIDER)).abs_upper())
         return here, self._unknowns(wide, [float(v.mid()) for v in here])
 
-    def piece(self, low: float, high: float) -> Piece:
+    def piece(self, low: float, high: float) -> EnclosedPiece:
         """Members and linearisations over a piece."""
         middle, half, whole = around(low, high)
         here, box = self.members(low, high)
@@ -382,15 +382,15 @@ class GraphMeetings(Meetings):
         slopes = [over[0], over[1] * half] if order else []
         if not finite(scaled[0]):
             raise NoValueError
-        return Piece(low, high, order, scaled, slopes, box, self._bases(scaled[0]))
+        return EnclosedPiece(low, high, order, scaled, slopes, box, self._bases(scaled[0]))
 
-    def _bases(self, matrix: Any) -> list[Basis]:
+    def _bases(self, matrix: Any) -> list[NarrowingBasis]:
         size = matrix.nrows()
         table = np.array([[float(matrix[i, j].mid()) for j in range(size)] for i in range(size)])
         return [basis_of(table[np.ix_(block, block)]) for block in self.blocks]
 
     def functions(
-        self, matrices: Sequence[Any], bases: Sequence[Basis], *, fold: bool
+        self, matrices: Sequence[Any], bases: Sequence[NarrowingBasis], *, fold: bool
     ) -> list[Form]:
         """The functions as forms: static and flutter for each block."""
         out = []
@@ -409,18 +409,18 @@ class GraphMeetings(Meetings):
                 out.append(determinant(poly, basis, fold=fold))
         return out
 
-    def forms(self, piece: Piece) -> list[Form]:
+    def forms(self, piece: EnclosedPiece) -> list[Form]:
         """Both functions of each block."""
         return self.functions(piece.matrices, piece.bases, fold=True)
 
-    def monotone(self, piece: Piece, places: Sequence[int]) -> bool:
+    def monotone(self, piece: EnclosedPiece, places: Sequence[int]) -> bool:
         """By the slopes over all of the piece."""
         if not piece.slopes:
             return False
         slopes = self.functions(piece.slopes, piece.bases, fold=False)
         return all(nonzero(slopes[i][1]) for i in places)
 
-    def values(self, value: float, bits: int, piece: Piece | None) -> list[Any] | None:
+    def values(self, value: float, bits: int, piece: EnclosedPiece | None) -> list[Any] | None:
         """Both functions of each block."""
         root = self.root(value, bits)
         if root is None:

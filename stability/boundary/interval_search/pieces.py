@@ -74,7 +74,7 @@ ALONG = "an eigenvalue stays on the imaginary axis along all of it, as far as {b
 
 
 @dataclass(frozen=True)
-class Pieces:
+class AxisPieces:
     """What was proved along an axis."""
 
     leaves: tuple[Leaf, ...]
@@ -95,7 +95,7 @@ def pieces(
     log: bool = False,
     singular: Mapping[float, str] | None = None,
     every: bool = False,
-) -> Pieces:
+) -> AxisPieces:
     """Proof along an axis of where an eigenvalue meets the imaginary axis, and where none does.
 
     Parameters
@@ -116,7 +116,7 @@ def pieces(
     except StabilityError as error:
         meetings = str(error)
     if isinstance(meetings, str):
-        return Pieces((Leaf(low, high, None, meetings),), low, high, 0)
+        return AxisPieces((Leaf(low, high, None, meetings),), low, high, 0)
     meetings.every = every
     leaves, waiting, count = [], [(low, high)], 0
     quick = (
@@ -127,7 +127,7 @@ def pieces(
     if quick is not None:
         leaves, waiting, count = list(quick.leaves), list(quick.left), quick.count
         if not waiting:
-            return Pieces(tuple(_joined(leaves)), low, high, count)
+            return AxisPieces(tuple(_joined(leaves)), low, high, count)
     tests = [low + share * (high - low) for share in (0.2718, 0.5772, 0.8541)]
     if (
         not leaves
@@ -135,14 +135,14 @@ def pieces(
         and any(meetings.root(v) is not None for v in tests)
     ):
         reason = ALONG.format(bits=BITS)
-        return Pieces((Leaf(low, high, None, reason),), low, high, len(tests))
+        return AxisPieces((Leaf(low, high, None, reason),), low, high, len(tests))
     least = FINEST * max(abs(low), abs(high))
     ends = _beyond(meetings, low, -least), _beyond(meetings, high, least)
     waiting = [(ends[0] if a == low else a, ends[1] if b == high else b) for a, b in waiting]
-    search = _Search(meetings, *ends, least, log=log and ends[0] > 0)
+    search = _PieceSearch(meetings, *ends, least, log=log and ends[0] > 0)
     search.singular = singular or {}
     searched = search.run(waiting, count)
-    return Pieces(tuple(_joined([*leaves, *searched[0]])), *ends, searched[1])
+    return AxisPieces(tuple(_joined([*leaves, *searched[0]])), *ends, searched[1])
 
 
 def _meetings(line: AxisScan) -> Meetings | str:
@@ -174,7 +174,7 @@ def _beyond(meetings: Meetings, end: float, step: float) -> float:
     return end
 
 
-class _Search:
+class _PieceSearch:
     """Pieces in the order of their width, widest first."""
 
     def __init__(
@@ -422,17 +422,17 @@ def proved(
     return Boundaries(tuple(inside), tuple(left), how=how_in_pieces(line, searched))
 
 
-def how_in_pieces(line: AxisScan, searched: Pieces) -> str:
+def how_in_pieces(line: AxisScan, searched: AxisPieces) -> str:
     """How an axis was searched, in words."""
     family = line.problem.family
     solved = family.unknown and not family.closed
     return PIECES.format(count=searched.count) + (f", {ON_ONE_BRANCH}" if solved else "")
 
 
-Part = tuple[list[BoundaryPoint], list[Unresolved]]
+LeafResult = tuple[list[BoundaryPoint], list[Unresolved]]
 
 
-def _meeting(line: AxisScan, leaf: Leaf, low: float, high: float) -> Part:
+def _meeting(line: AxisScan, leaf: Leaf, low: float, high: float) -> LeafResult:
     """The change at the meetings of a piece: one or two, so that ends that differ mean one."""
     first, last = max(leaf.low, low), min(leaf.high, high)
     try:
@@ -483,7 +483,7 @@ def _at_end(line: AxisScan, leaf: Leaf, low: float, high: float) -> BoundaryPoin
     return None
 
 
-def _open(line: AxisScan, leaf: Leaf, grid: Floats) -> Part:
+def _open(line: AxisScan, leaf: Leaf, grid: Floats) -> LeafResult:
     """What a scan finds on a piece without proof, which stays unresolved."""
     first, last = max(leaf.low, float(grid[0])), min(leaf.high, float(grid[-1]))
     inside = grid[(grid > leaf.low) & (grid < leaf.high)]
@@ -509,14 +509,14 @@ def _has_value(line: AxisScan, point: BoundaryPoint) -> bool:
             return False
 
 
-Found = TypeVar("Found", Boundaries, Crossings)
+AxisResult = TypeVar("AxisResult", Boundaries, Crossings)
 MOST_PARTS = 600
 """Largest number of pieces."""
 UNSURE = "whether the conditions of {system} hold here is not decided"
 FAILS = "{family} has no member here, since a condition of {system} fails: {sentence}"
 
 
-def meaningful(line: AxisScan, low: float, high: float, result: Found) -> Found:
+def meaningful(line: AxisScan, low: float, high: float, result: AxisResult) -> AxisResult:
     """A result without the parts of the axis on which the system's conditions are not proved.
 
     Parameters

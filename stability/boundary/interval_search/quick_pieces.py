@@ -72,7 +72,7 @@ class Leaf:
 
 
 @dataclass(frozen=True)
-class Quick:
+class DoublesProof:
     """What doubles prove along an axis."""
 
     leaves: tuple[Leaf, ...]
@@ -83,7 +83,9 @@ class Quick:
     """Number of pieces that were examined."""
 
 
-def quick_pieces(meetings: FormulaMeetings, low: float, high: float, *, log: bool) -> Quick | None:
+def quick_pieces(
+    meetings: FormulaMeetings, low: float, high: float, *, log: bool
+) -> DoublesProof | None:
     """Pieces of an interval, proved in doubles; None where the formulas have no kernel.
 
     Parameters
@@ -154,7 +156,7 @@ class Rounds:
         self.functions = len(meetings.kinds)
         self.asked: int = meetings.formulas.function.numel_out(2)
 
-    def run(self, low: float, high: float, *, log: bool) -> Quick:
+    def run(self, low: float, high: float, *, log: bool) -> DoublesProof:
         """All rounds."""
         cuts = (np.arange(FIRST + 1) + SKEW) / FIRST
         cuts = low * (high / low) ** cuts if log and low > 0 else low + (high - low) * cuts
@@ -183,7 +185,7 @@ class Rounds:
                 break
             lows, highs = _cut(lows, highs, log=log and low > 0)
         leaves = *(Leaf(*ends, 0) for ends in _joined(np.hstack(clear))), *single
-        return Quick(leaves, tuple(left), count)
+        return DoublesProof(leaves, tuple(left), count)
 
     def _at(self, points: Floats, radius: Floats, tape: Tape) -> tuple[Any, Any]:
         """Coefficients as balls at points, or over pieces, shape (functions, orders, points)."""

@@ -41,13 +41,13 @@ from ...derivation.signs import real_roots
 from ...polynomials.characteristic import CharacteristicPolynomial
 from ...spectra.problem import Problem
 from ..lyapunov_coefficient import (
-    Derivatives,
+    DerivativePrograms,
     derivatives,
 )
 from .plane_search import (
     EXACT_BITS,
     SEVERAL,
-    Place,
+    PlanePoint,
     PolynomialPair,
     Rectangle,
     judged_places,
@@ -86,7 +86,7 @@ class OnsetForms:
 
     def __init__(self, reading: CharacteristicPolynomial) -> None:
         self.reading, self.field = reading, reading.field
-        self.d: Derivatives = derivatives(reading.family.judged)
+        self.d: DerivativePrograms = derivatives(reading.family.judged)
         self.kept = self.d.kept
         self.mu = self.field.generator(reading.lam)
         self.zero = self.field.ring.constant(0)
@@ -563,7 +563,7 @@ class ExactSearch:
         pair = PolynomialPair(f, g)
         simple = meeting.count % 2 == 1 and first.count % 2 == 1
 
-        def judged(place: Place) -> tuple[Vanishing | None, str]:
+        def judged(place: PlanePoint) -> tuple[Vanishing | None, str]:
             try:
                 return judge.judged(pair, place, simple=simple), ""
             except NoMemberError:

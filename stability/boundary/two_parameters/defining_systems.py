@@ -45,7 +45,7 @@ REAL = 1e-9
 """Frequency, over the largest eigenvalue, up to which an eigenvalue counts as real."""
 
 
-class Sheet:
+class MemberSheet:
     """The members of a user's family over two parameters, as points (unknowns, x, y).
 
     Parameters
@@ -147,7 +147,7 @@ class DefiningSystem:
         Number of pairs.
     """
 
-    def __init__(self, sheet: Sheet, zero: str = "", pairs: int = 0) -> None:
+    def __init__(self, sheet: MemberSheet, zero: str = "", pairs: int = 0) -> None:
         self.sheet, self.zero, self.pairs = sheet, zero, pairs
         system, rates = sheet.d.system, sheet.d.rates
         self._x = system.x

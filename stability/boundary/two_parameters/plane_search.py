@@ -53,7 +53,7 @@ Plane = GraphPlane | ExactPlane
 
 
 @dataclass(frozen=True)
-class Found:
+class SpectralPoint:
     """A proved point."""
 
     kind: PointKind
@@ -89,7 +89,7 @@ def split(kind: PointKind, p: Sequence[Sloped]) -> tuple[Values, list[Values]]:
     return [f.value for f in functions], [slope(f) for f in functions]
 
 
-def concluded(plane: Plane, kind: PointKind, x: Any, y: Any) -> Found | None:
+def concluded(plane: Plane, kind: PointKind, x: Any, y: Any) -> SpectralPoint | None:
     """The point at a proved solution; None where no pair is on the imaginary axis there.
 
     Raises
@@ -99,7 +99,7 @@ def concluded(plane: Plane, kind: PointKind, x: Any, y: Any) -> Found | None:
     """
     p = [c.value for c in plane.at(x, y)]
     on_axis = nature(kind, p)
-    return None if on_axis is None else Found(kind, x, y, on_axis)
+    return None if on_axis is None else SpectralPoint(kind, x, y, on_axis)
 
 
 def within(x: Any, y: Any, rectangle: Rectangle) -> bool:
@@ -115,7 +115,7 @@ def within(x: Any, y: Any, rectangle: Rectangle) -> bool:
 
 def isolated(
     plane: ExactPlane, kind: PointKind, rectangle: Rectangle
-) -> tuple[list[Found], list[UnresolvedBox]]:
+) -> tuple[list[SpectralPoint], list[UnresolvedBox]]:
     """Every point of a kind in the closed rectangle, from resultants over Q.
 
     Parameters
@@ -146,7 +146,7 @@ def isolated(
     if f.is_constant() or g.is_constant():
         return [], open_
 
-    def judged(place: Place) -> tuple[Found | None, str]:
+    def judged(place: PlanePoint) -> tuple[SpectralPoint | None, str]:
         try:
             image, box = tested(PlaneEquations(plane, kind), [v.mid() for v in place])
             if not all(b.contains(v) for b, v in zip(box, place, strict=True)):
@@ -165,7 +165,7 @@ def isolated(
     return points, open_ + left
 
 
-Place = tuple[Any, Any]
+PlanePoint = tuple[Any, Any]
 """Values of both variables, as balls."""
 
 
@@ -201,7 +201,7 @@ def judged_places(
     kind: PointKind,
     rectangle: Rectangle,
     pair: PolynomialPair,
-    judge: Callable[[Place], tuple[Any, str]],
+    judge: Callable[[PlanePoint], tuple[Any, str]],
 ) -> tuple[list[Any], list[UnresolvedBox]]:
     """What the common zeros of two polynomials are, at a precision that leaves none open if any.
 
@@ -322,7 +322,7 @@ class BoxSearch:
     def __init__(self, plane: Plane, rectangle: Rectangle, size: int) -> None:
         self.plane, self.rectangle = plane, rectangle
         self.most = max(200, min(MOST_BOXES, WORK // size**3))
-        self.found: list[Found] = []
+        self.found: list[SpectralPoint] = []
         self.unique: list[tuple[PointKind, Values]] = []
         self.left: list[UnresolvedBox] = []
         self.count = 0

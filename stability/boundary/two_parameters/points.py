@@ -25,7 +25,7 @@ from ...systems.structure.structural_zeros import structure
 from ..hopf import rounded, zeros_left
 from .bautin import SECONDS, ExactSearch, Vanishing
 from .curve_search import CurveSearch, ProvedPoint, lines_of
-from .plane_search import BITS, SPECTRAL, BoxSearch, Found, Rectangle, isolated, joined
+from .plane_search import BITS, SPECTRAL, BoxSearch, Rectangle, SpectralPoint, isolated, joined
 from .planes import GraphPlane, exact_plane
 from .point_records import CodimensionTwo, DegeneratePoint, PointKind, UnresolvedBox
 
@@ -201,9 +201,9 @@ def _accept(problem: Problem) -> None:
 
 def _spectral(
     problem: Problem, axes: tuple[Axis, Axis], rectangle: Rectangle, curves: CurveSearch | None
-) -> tuple[list[Found | ProvedPoint], list[UnresolvedBox], str]:
+) -> tuple[list[SpectralPoint | ProvedPoint], list[UnresolvedBox], str]:
     names = axes[0].name, axes[1].name
-    points: list[Found | ProvedPoint] = []
+    points: list[SpectralPoint | ProvedPoint] = []
     left: list[UnresolvedBox] = []
     try:
         plane = exact_plane(problem, names)
@@ -218,7 +218,7 @@ def _spectral(
 
 def _searched(
     problem: Problem, axes: tuple[Axis, Axis], rectangle: Rectangle, curves: CurveSearch | None
-) -> tuple[list[Found | ProvedPoint], list[UnresolvedBox], str]:
+) -> tuple[list[SpectralPoint | ProvedPoint], list[UnresolvedBox], str]:
     """Points by boxes; where members have folds, or boxes stay open, along curves."""
     family, names = problem.family, (axes[0].name, axes[1].name)
     solved = bool(family.unknown) and not family.closed
@@ -228,7 +228,7 @@ def _searched(
         return [*curves.listed(*SPECTRAL, PointKind.CUSP)], left, _lines(CURVES, axes)
     search = BoxSearch(GraphPlane(problem, names), rectangle, len(family.system.states))
     search.run()
-    points: list[Found | ProvedPoint] = list(search.found)
+    points: list[SpectralPoint | ProvedPoint] = list(search.found)
     how = BOXES.format(count=search.count + 1) + (ON_BRANCH if solved else "")
     if search.left and curves is not None and curves.run():
         points += [
@@ -267,7 +267,7 @@ def _vanishing(
 
 
 def _point(
-    problem: Problem, axes: tuple[Axis, Axis], point: Found | ProvedPoint
+    problem: Problem, axes: tuple[Axis, Axis], point: SpectralPoint | ProvedPoint
 ) -> DegeneratePoint:
     with precision(BITS):
         place = [rounded(v) for v in (point.x, point.y)]

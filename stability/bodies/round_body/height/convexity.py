@@ -24,11 +24,11 @@ from ....algebra.number_types import Algebra, balls, precision
 from ....algebra.program import Program
 from ....base.errors import StabilityError
 from ....base.types import Floats
-from .expression import Expression
+from .expression import ShapeFunction
 from .wave_sum import WaveSum, wave_sum
 
 Span = tuple[float, float]
-Piece = tuple[float, float, int]
+HeightPiece = tuple[float, float, int]
 """An interval of θ, and the shape for which it is open."""
 Enclosure = Callable[[Floats, Floats, Any], tuple[Floats, Floats]]
 """From middles, half lengths and shapes of pieces to balls of h, h', ρ, ρ' and ρ''."""
@@ -70,7 +70,7 @@ class Convexity:
 
 
 def convexity(
-    height: Expression, names: tuple[str, ...], shapes: Numbers, between: Span
+    height: ShapeFunction, names: tuple[str, ...], shapes: Numbers, between: Span
 ) -> Convexity:
     """What is proved about a height: that it is not negative, and that of a convex body.
 
@@ -108,7 +108,7 @@ def convexity(
 
 @lru_cache(maxsize=256)
 def _proved(
-    height: Expression, names: tuple[str, ...], shapes: Numbers, between: Span
+    height: ShapeFunction, names: tuple[str, ...], shapes: Numbers, between: Span
 ) -> Convexity:
     read = _enclosure(height, names, shapes)
     if read is None:
@@ -119,7 +119,7 @@ def _proved(
     edges = np.linspace(*between, first + 1)
     which = np.tile(np.arange(count), first)
     low, high = np.repeat(edges[:-1], count), np.repeat(edges[1:], count)
-    kept: list[Piece] = []
+    kept: list[HeightPiece] = []
     done, size = 0, np.zeros(0)
     while low.size:
         done += low.size
@@ -168,7 +168,7 @@ def _room(half: Floats, at: Sequence[Floats], over: Sequence[Floats]) -> Floats:
     return np.asarray(curve - around[2] - span - U * (abs(curve) + span))
 
 
-def _rising(enclose: Enclosure, piece: Piece, size: Floats) -> bool:
+def _rising(enclose: Enclosure, piece: HeightPiece, size: Floats) -> bool:
     """Whether a short piece is proved by a height that only rises or falls, as from 0 at an end."""
     low, high, shape = piece
     middle = (low + high) / 2
@@ -181,7 +181,7 @@ def _rising(enclose: Enclosure, piece: Piece, size: Floats) -> bool:
 
 
 def _corner(
-    enclose: Enclosure, pieces: Sequence[Piece], size: Floats
+    enclose: Enclosure, pieces: Sequence[HeightPiece], size: Floats
 ) -> tuple[str, float, float] | None:
     """A short open piece in which h' falls by more than the integral of h gives back."""
     for shape in {which for _, _, which in pieces}:
@@ -193,7 +193,7 @@ def _corner(
     return None
 
 
-def _joined(pieces: Sequence[Piece]) -> tuple[Span, ...]:
+def _joined(pieces: Sequence[HeightPiece]) -> tuple[Span, ...]:
     """Pieces in order, neighbours as one."""
     spans: list[Span] = []
     for low, high, _ in sorted(pieces):
@@ -208,7 +208,7 @@ def _joined(pieces: Sequence[Piece]) -> tuple[Span, ...]:
 
 
 def _enclosure(
-    height: Expression, names: tuple[str, ...], shapes: Numbers
+    height: ShapeFunction, names: tuple[str, ...], shapes: Numbers
 ) -> tuple[Enclosure, int] | None:
     """The values, and the most pieces that are worth their time; None where no graph is read."""
     plain = _program(height)
@@ -246,7 +246,7 @@ def _by_waves(waves: Sequence[WaveSum]) -> Enclosure:
 
 
 @lru_cache(maxsize=64)
-def _program(height: Expression) -> Program | None:
+def _program(height: ShapeFunction) -> Program | None:
     """The height as a list of instructions; None where one of these is not read."""
     try:
         return Program(height.function)
@@ -255,7 +255,7 @@ def _program(height: Expression) -> Program | None:
 
 
 @lru_cache(maxsize=64)
-def _of_graph(height: Expression, names: tuple[str, ...]) -> tuple[Balls, int] | None:
+def _of_graph(height: ShapeFunction, names: tuple[str, ...]) -> tuple[Balls, int] | None:
     """Balls of a height and its slopes, from centres and radii of θ and the shape's numbers."""
     theta, *numbers = symbols = [ca.SX.sym(n) for n in ("theta", *names)]
     rows = [ca.SX(height(theta, *numbers))]

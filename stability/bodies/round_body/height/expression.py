@@ -16,7 +16,7 @@ from ....base.types import Record, fields_of
 
 
 @dataclass(frozen=True, eq=False)
-class Expression(Record):
+class ShapeFunction(Record):
     """A scalar function as a CasADi graph, equal to any other with the same graph.
 
     Examples
@@ -48,7 +48,7 @@ class Expression(Record):
 
 def expression(
     what: str, function: Callable[..., Any], names: Sequence[str], places: int = 0
-) -> Expression:
+) -> ShapeFunction:
     """The graph of a function that a user gives.
 
     Parameters
@@ -56,7 +56,7 @@ def expression(
     what
         Name of the argument in messages.
     function
-        A function of CasADi expressions, or an `Expression`.
+        A function of CasADi expressions, or an `ShapeFunction`.
     names
         Names of its arguments.
     places
@@ -72,7 +72,7 @@ def expression(
     >>> expression("height", lambda theta, e: 1 - e * ca.cos(theta), ["theta", "e"], 1)
     <function of theta, e>
     """
-    if isinstance(function, Expression):
+    if isinstance(function, ShapeFunction):
         if function.function.name_in() != list(names):
             raise ParameterError(
                 f"{what} is a function of {', '.join(function.function.name_in()) or 'nothing'}; "
@@ -107,4 +107,4 @@ def expression(
             f"{what} uses sign, which has no slope at its jump; give a function that is smooth, or "
             "has fabs alone."
         )
-    return Expression(graph.serialize())
+    return ShapeFunction(graph.serialize())

@@ -16,7 +16,7 @@ import casadi as ca
 from ....algebra.number_types import MORE, UNARY, Algebra
 from ....algebra.program import Program
 from ....base.errors import StabilityError
-from .expression import Expression
+from .expression import ShapeFunction
 
 
 class NotSmoothError(StabilityError):
@@ -136,7 +136,7 @@ class InCosine:
         return self.even
 
 
-def _read(height: Expression, cosine: ca.SX, symbols: list[ca.SX]) -> InCosine:
+def _read(height: ShapeFunction, cosine: ca.SX, symbols: list[ca.SX]) -> InCosine:
     """The height as p + q sinθ; a `NotSmoothError` if its graph is none."""
     zero = ca.SX(0)
 
@@ -161,7 +161,7 @@ def _read(height: Expression, cosine: ca.SX, symbols: list[ca.SX]) -> InCosine:
     return result if isinstance(result, InCosine) else InCosine(cosine, ca.SX(result), zero)
 
 
-def height_of_cosine(height: Expression, cosine: ca.SX, symbols: list[ca.SX]) -> ca.SX:
+def height_of_cosine(height: ShapeFunction, cosine: ca.SX, symbols: list[ca.SX]) -> ca.SX:
     """The height as an expression in cos θ and the numbers of the shape.
 
     Parameters
@@ -193,7 +193,7 @@ def height_of_cosine(height: Expression, cosine: ca.SX, symbols: list[ca.SX]) ->
     return _read(height, cosine, symbols).plain()
 
 
-def height_of_angle(height: Expression, theta: ca.SX, symbols: list[ca.SX]) -> ca.SX:
+def height_of_angle(height: ShapeFunction, theta: ca.SX, symbols: list[ca.SX]) -> ca.SX:
     """The height at a symbol θ, with sines and cosines of multiples of θ by those of θ itself.
 
     So the graph is rational in sin θ and cos θ wherever the height is, and has a value at the exact

@@ -15,7 +15,7 @@ from ....base.quantities import Kind, Quantity
 from ....systems.system import System
 from ...contact_laws import DIRECTION, MU, Contact, CoulombAlong, Creep, Rough
 from ...creep import CREEPS
-from ...explicit import Surface, angular_velocity, explicit, surface
+from ...explicit import ContactGeometry, angular_velocity, explicit, surface
 from ...model import (
     CONE,
     CREEP_ENDS,
@@ -36,7 +36,7 @@ from ...resistance import total_moment
 from ..equations import Resistances, held_round, rough_round, round_system
 from ..height.pole_height import height_of_angle
 from ..shape import RoundShape
-from ..si_law import Law, Numbers, Shape, shape_of
+from ..si_law import BodySymbols, Law, Shape, shape_of
 from ..thin import is_thin, of_thin
 
 LOWEST, HIGHEST = "lower end of theta", "upper end of theta"
@@ -222,7 +222,9 @@ def _solved(
     resistance: Resistances,
 ) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
     """Rates of the states, the dissipated power, N D and D, in few operations."""
-    numbers = Numbers.of(of, (*parameters, *(r.coefficient for r in resistance)), physical=False)
+    numbers = BodySymbols.of(
+        of, (*parameters, *(r.coefficient for r in resistance)), physical=False
+    )
     stated, x = Law(law, numbers.table, parameters), system.x
     against = [(r, numbers.table[r.coefficient]) for r in resistance]
 
@@ -233,7 +235,7 @@ def _solved(
     at_symbol = surface(at, height_of_angle(of[1], at, numbers.own), *moments)
     places = ca.cse(ca.densify(ca.vertcat(*at_symbol[:7])))
     h, slope, curve, r, z, s, c = ca.vertsplit(ca.substitute(places, at, x[0]))
-    body = Surface(h, slope, curve, r, z, s, c, *moments)
+    body = ContactGeometry(h, slope, curve, r, z, s, c, *moments)
     solution = explicit(x, body, stated.force, moment if against else None)
     power = stated.power([x[4], x[5]], solution.normal)
     if against:
