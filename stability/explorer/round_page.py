@@ -163,8 +163,8 @@ class _PageBody:
     def formulas(
         self,
         family: Family,
-        law: str,
-        quantities: Mapping[str, PageQuantity],  # noqa: ARG002
+        law: str,  # noqa: ARG002
+        quantities: Mapping[str, PageQuantity],
     ) -> PageFormulas:
         """What decides the verdict."""
         derive = derived_formulas if family.formulas is None else closed_formulas

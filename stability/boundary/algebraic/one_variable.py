@@ -311,9 +311,9 @@ class OneVariable(AxisMembers):
 
     def meets(
         self,
-        candidate: Candidate,
-        kept: list[Watched],
-        below: CandidateCell,
+        candidate: Candidate,  # noqa: ARG002
+        kept: list[Watched],  # noqa: ARG002
+        below: CandidateCell,  # noqa: ARG002
         above: CandidateCell,  # noqa: ARG002
     ) -> bool:
         """Every watched polynomial is its own norm."""
