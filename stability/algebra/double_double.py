@@ -222,7 +222,7 @@ def _ratio(number: Fraction) -> DoubleDouble:
 def _from_balls(name: str) -> Callable[..., DoubleDouble]:
     """A function that balls have, number by number."""
 
-    def apply(*arguments: Any) -> DoubleDouble:
+    def by_balls(*arguments: Any) -> DoubleDouble:
         numbers = [exact(v) for v in arguments]
         parts = np.broadcast_arrays(*(w for v in numbers for w in (v.hi, v.lo, v.error)))
         rows = np.array([v.ravel() for v in parts]).T
@@ -241,14 +241,14 @@ def _from_balls(name: str) -> Callable[..., DoubleDouble]:
         shape = parts[0].shape
         return DoubleDouble(*(v[place.ravel()].reshape(shape) for v in np.array(values).T))
 
-    return apply
+    return by_balls
 
 
 def _wave(shift: int) -> Callable[[Any], DoubleDouble]:
     """The sine (shift 0) or cosine (1): by Taylor's series after quarter turns, or by balls."""
     by_balls = _from_balls("cos" if shift else "sin")
 
-    def apply(number: Any) -> DoubleDouble:
+    def wave(number: Any) -> DoubleDouble:
         x = exact(number)
         base, times = x.multiple or (x, 1)
         if not 1 <= times <= HARMONICS or not _first_waves(base):
@@ -257,7 +257,7 @@ def _wave(shift: int) -> Callable[[Any], DoubleDouble]:
                 return by_balls(x)
         return _harmonic(base, times)[shift]
 
-    return apply
+    return wave
 
 
 def _first_waves(x: DoubleDouble) -> bool:

@@ -227,7 +227,7 @@ class _Pair(NamedTuple):
     """Bound on the rounding error of the roots."""
 
 
-def _pair(p: Array, q: Array, unit: float) -> _Pair:
+def _pair_of_roots(p: Array, q: Array, unit: float) -> _Pair:
     half = -0.5 * p
     square = half * half
     disc = square - q
@@ -268,7 +268,7 @@ def enclose(a: Sequence[Array], error: Sequence[Array], factors: Factors) -> Roo
         np.abs(c - m) + e + steps * unit * s
         for c, m, e, s in zip(a, product, error, size, strict=False)
     ]
-    pairs = [_pair(p, q, unit) for p, q in factors.pairs]
+    pairs = [_pair_of_roots(p, q, unit) for p, q in factors.pairs]
     spread, closest = _distances(r, pairs)
     alone = [] if r is None else [np.abs(r)]
     modulus = alone + [m + pair.slip for pair in pairs for m in pair.modulus]

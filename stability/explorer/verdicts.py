@@ -56,16 +56,16 @@ def stored_formulas(
                 power,
             )
 
-    def given(q: Values) -> dict[str, Any]:
+    def by_name(q: Values) -> dict[str, Any]:
         # with the units of the dimensionless disk, the member as `at`
         names = ("at" if n == at else n for n in quantities)
         return {"mass": 1, "radius": 1, "gravity": 1} | dict(zip(names, q, strict=True))
 
     def point(algebra: Algebra, q: Values) -> list[Any]:
-        return exact.point(given(q), algebra)
+        return exact.point(by_name(q), algebra)
 
     def coefficients(algebra: Algebra, q: Values) -> list[list[Any]]:
-        scale, _ = exact.scale(given(q))  # with λ = σ · scale the power i has scale^(n - i)
+        scale, _ = exact.scale(by_name(q))  # with λ = σ · scale the power i has scale^(n - i)
         rows = []
         for factor in stored.coefficients(point(algebra, q)):
             powers: list[Any] = [1.0]
@@ -79,7 +79,7 @@ def stored_formulas(
         return [sized(p, 0, algebra, at) for _, p in stored.conditions]
 
     def unknown(algebra: Algebra, q: Values) -> dict[str, Any]:
-        values, functions = given(q), SimpleNamespace(**algebra.functions)
+        values, functions = by_name(q), SimpleNamespace(**algebra.functions)
         states = record.member(functions, values["at"], values["k"])
         return {n: states[n] for n in family.unknown}
 
@@ -375,14 +375,14 @@ def tracked(algebra: Algebra) -> Algebra:
     """
     plain = algebra.functions
 
-    def apply(name: str, change: Callable[[Any, Any, Any], Any]) -> Callable[[Any], Any]:
-        def found(x: Any) -> Any:
+    def with_change(name: str, change: Callable[[Any, Any, Any], Any]) -> Callable[[Any], Any]:
+        def bounded(x: Any) -> Any:
             number = x if isinstance(x, RunningError) else RunningError(x, 0.0)
             value = plain[name](number.value)
             rounding = 2 * ULPS * UNIT * abs(value) + TINY
             return RunningError(value, change(number.value, number.error, value) + rounding)
 
-        return found
+        return bounded
 
     def root(x: Any, e: Any, y: Any) -> Any:
         least = x - e
@@ -395,10 +395,10 @@ def tracked(algebra: Algebra) -> Algebra:
         return out
 
     table: dict[str, Callable[..., Any]] = {
-        "sin": apply("sin", lambda _, e, __: e),
-        "cos": apply("cos", lambda _, e, __: e),
-        "sqrt": apply("sqrt", root),
-        "fabs": apply("fabs", lambda _, e, __: e),
+        "sin": with_change("sin", lambda _, e, __: e),
+        "cos": with_change("cos", lambda _, e, __: e),
+        "sqrt": with_change("sqrt", root),
+        "fabs": with_change("fabs", lambda _, e, __: e),
         "pow": power,
     }
     return Algebra(f"tracked {algebra.name}", float, table, lasting=False)

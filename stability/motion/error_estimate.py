@@ -444,7 +444,7 @@ def _contrary(launch: Result, others: Sequence[Result]) -> str:
         )
     other = unlike[0]
 
-    def told(result: Result) -> str:
+    def in_words(result: Result) -> str:
         if result.outcome is Outcome.SETTLED:
             return f"{result.outcome.word} to {result.near.family}"
         at = "" if result.outcome in LASTING else f" at {result.time:.9g}"
@@ -452,7 +452,7 @@ def _contrary(launch: Result, others: Sequence[Result]) -> str:
 
     return (
         f"two runs within the tolerance {launch.tolerance:g} of each other end differently: "
-        f"{told(launch)}, and {told(other)}"
+        f"{in_words(launch)}, and {in_words(other)}"
     )
 
 

@@ -244,13 +244,13 @@ class _Parts:
     def _bilinear(self, b: Floats, rb: Floats) -> tuple[Floats, Floats]:
         """S b(X·, X·), and a bound of what is not exact in it."""
 
-        def apply(s: Floats, tensor: Floats, x: Floats) -> Floats:
+        def transformed(s: Floats, tensor: Floats, x: Floats) -> Floats:
             mixed = (s @ tensor.reshape(*tensor.shape[:2], -1)).reshape(tensor.shape)
             product: Floats = _both_sides(mixed, x)
             return product
 
-        off = apply(np.abs(self.s), rb + LOOSE * np.abs(b), np.abs(self.x)) * WIDE
-        return apply(self.s, b, self.x), off
+        off = transformed(np.abs(self.s), rb + LOOSE * np.abs(b), np.abs(self.x)) * WIDE
+        return transformed(self.s, b, self.x), off
 
     def bounds(self, block: Floats, rate: Floats, form: Form) -> NormalFormBounds:
         """What is left, with the inverse of Z enclosed as X (1 + F)⁻¹, F = Z X - 1."""

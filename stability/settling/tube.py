@@ -249,7 +249,7 @@ def in_tube(
     StabilityError
         If the graph has a function without a kernel.
     """
-    kept, (at, _), (off, _) = _kept(around), y, e
+    kept, (at, _), (off, _) = _tube_store(around), y, e
     with np.errstate(all="ignore"):  # nan is never proved
         slow = np.nan_to_num(kept.slow(at, arguments), posinf=0.0, neginf=0.0)
         node = np.rint((at - (slow * off).sum(1)) / STEP)
@@ -297,7 +297,7 @@ def _square(a: Floats, b: Floats) -> Floats:
     return out
 
 
-class _Kept:
+class _TubeStore:
     """Tubes of one family that were made before."""
 
     def __init__(self, around: Surroundings) -> None:
@@ -339,8 +339,8 @@ class _Kept:
 
 
 @lru_cache(maxsize=32)
-def _kept(around: Surroundings) -> _Kept:
-    return _Kept(around)
+def _tube_store(around: Surroundings) -> _TubeStore:
+    return _TubeStore(around)
 
 
 def _read(table: Floats, m: int) -> Tubes:

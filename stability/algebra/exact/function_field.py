@@ -181,12 +181,12 @@ class FunctionField:
         def of(name: str) -> Callable[[Any], Any]:
             plain = EXACT.functions[name]
 
-            def apply(x: Any) -> Any:
+            def value(x: Any) -> Any:
                 with suppress(NotExact):
                     return plain(x)
                 return plain(x if isinstance(x, Element) else self.number(x))
 
-            return apply
+            return value
 
         table = {name: of(name) for name in (*RATIONAL_AT, "sqrt")}
         return replace(EXACT, functions=EXACT.functions | table, lasting=False)

@@ -255,7 +255,7 @@ class Body(RoundShape):
                     f"limits names {shown(name)}; numbers of the shape are "
                     f"{', '.join(numbers) or 'none'}."
                 )
-            low, high = _pair(f"the limit of {name}", pair, "two numbers (low, high)")
+            low, high = _rising_pair(f"the limit of {name}", pair, "two numbers (low, high)")
             bad = np.asarray(numbers[name])
             bad = bad[(bad <= low) | (bad > high)]
             if bad.size:
@@ -269,7 +269,7 @@ class Body(RoundShape):
     def _range(self) -> tuple[float, float]:
         """The interval of θ in which the height holds."""
         accepted = "two angles in rising order between 0 and π"
-        low, high = _pair("between", self.between, accepted)
+        low, high = _rising_pair("between", self.between, accepted)
         if not (low >= 0 and high <= math.pi):
             raise ParameterError(f"between is {shown(self.between)}; give {accepted}.")
         return low, high
@@ -332,7 +332,7 @@ def _not_convex(what: str, value: float, theta: float) -> ParameterError:
     )
 
 
-def _pair(name: str, value: Any, remedy: str) -> tuple[float, float]:
+def _rising_pair(name: str, value: Any, remedy: str) -> tuple[float, float]:
     """Two numbers in rising order; the higher one may be infinite."""
     try:
         ends = real_numbers(name, value)

@@ -94,7 +94,7 @@ def round_family(
     if pole is not None and not record.pole:
         raise ParameterError(f"pole belongs to vertical spin; leave it out for {name}.")
     if record.pole:
-        near = _near(pole)
+        near = _pole_sign(pole)
         system = pole_system(
             body, law, parameters, physical=physical, near=near, resistance=resistance
         )
@@ -176,7 +176,7 @@ def _family(  # noqa: PLR0913
     )
 
 
-def _near(pole: Any) -> int:
+def _pole_sign(pole: Any) -> int:
     """1 for θ = 0, -1 for θ = π."""
     if pole is None or (isinstance(pole, (int, float)) and pole == 0):
         return 1
@@ -258,7 +258,7 @@ def place_of(body: RoundShape, family: str, theta: float | None, pole: Any) -> f
     if pole is not None and not record.pole:
         raise ParameterError(f"pole belongs to vertical spin; leave it out for {family}.")
     if record.pole:
-        near = _near(pole)
+        near = _pole_sign(pole)
         refuse_rough_pole(body, (near,))
         return 0.0 if near == 1 else math.pi
     if record.upright and not stands_upright(body):

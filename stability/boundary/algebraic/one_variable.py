@@ -123,7 +123,9 @@ class FactoredPolynomial:
         """(kind, polynomial) of what can vanish where the verdict changes."""
         conditions = [("pole", multivariate(p)) for p in self.poles]
         for row in self.rows:
-            conditions += critical([multivariate(c) for c in row], _pair, _meeting)
+            conditions += critical(
+                [multivariate(c) for c in row], _pair_resultant, _meeting_discriminant
+            )
         return [(kind, p) for kind, p in conditions if not p.is_constant()]
 
     def verdict(self, x: Any) -> Verdict:
@@ -202,11 +204,11 @@ class SineFactors:
         return 0 if counts is None else -1 if any(counts) else 1
 
 
-def _pair(a: Sequence[Any]) -> Any:
+def _pair_resultant(a: Sequence[Any]) -> Any:
     return _in_s(a[::2]).resultant(_in_s(a[1::2]), 1)
 
 
-def _meeting(q: Sequence[Any]) -> Any:
+def _meeting_discriminant(q: Sequence[Any]) -> Any:
     return _in_s(q).discriminant(1)
 
 

@@ -304,7 +304,7 @@ def scanned(line: AxisScan, grid: Floats, why: str = "") -> Boundaries:
         If there is no member at any point.
     """
     values = [float(v) for v in grid]
-    signs, left = _signs(line, values)
+    signs, left = _scan_signs(line, values)
     signed = [i for i, s in enumerate(signs) if s]
     if not signed:
         reason = (
@@ -337,7 +337,7 @@ def scanned(line: AxisScan, grid: Floats, why: str = "") -> Boundaries:
     return Boundaries(tuple(points), tuple(left), how=SCANNED)
 
 
-def _signs(line: AxisScan, values: Sequence[float]) -> tuple[list[int], list[Unresolved]]:
+def _scan_signs(line: AxisScan, values: Sequence[float]) -> tuple[list[int], list[Unresolved]]:
     """Signs by `look` at the points of a scan, and the points without a member."""
     verdicts: list[tuple[Verdict, bool]] = []
     left: list[Unresolved] = []
@@ -443,7 +443,7 @@ def _meeting(line: AxisScan, leaf: Leaf, low: float, high: float) -> LeafResult:
         if signs[0] == signs[1] != 0 and leaf.meetings == 1:
             return [], []
         if signs[0] * signs[1] < 0 and leaf.meetings in (1, 2):
-            point = _at_end(line, leaf, low, high) or _near(line, leaf)
+            point = _at_end(line, leaf, low, high) or _change_at(line, leaf)
             point = point or refine(line, leaf.low, leaf.high)
             if point is not None:
                 return [point], []
@@ -464,10 +464,10 @@ def _at_once(line: AxisScan, leaf: Leaf) -> BoundaryPoint | None:
     sides = leaf.near[0] - step, leaf.near[0] + step
     if not leaf.low <= sides[0] < sides[1] <= leaf.high:
         return None
-    return _near(line, leaf) if line.sign(sides[0]) * line.sign(sides[1]) < 0 else None
+    return _change_at(line, leaf) if line.sign(sides[0]) * line.sign(sides[1]) < 0 else None
 
 
-def _near(line: AxisScan, leaf: Leaf) -> BoundaryPoint | None:
+def _change_at(line: AxisScan, leaf: Leaf) -> BoundaryPoint | None:
     """The change at a meeting that is known to double precision."""
     if leaf.near is None:
         return None

@@ -114,10 +114,10 @@ def _power(x: Any, y: Any) -> Any:
 
 
 def _plain(name: str) -> Callable[[Any], Any]:
-    def apply(x: Any) -> Any:
+    def plain(x: Any) -> Any:
         return getattr(x if isinstance(x, arb_series) else arb(x), name)()
 
-    return apply
+    return plain
 
 
 LACKING = ("expm1", "log1p", "asinh", "acosh", "atanh")
@@ -125,12 +125,12 @@ LACKING = ("expm1", "log1p", "asinh", "acosh", "atanh")
 
 
 def _by_slope(name: str, slope: Callable[[Any], Any]) -> Callable[[Any], Any]:
-    def apply(x: Any) -> Any:
+    def integrated(x: Any) -> Any:
         if not isinstance(x, arb_series):
             return getattr(arb(x), name)()
         return (slope(x) * x.derivative()).integral() + getattr(x[0], name)()
 
-    return apply
+    return integrated
 
 
 def _angle(y: Any, x: Any) -> Any:

@@ -140,7 +140,7 @@ def _read(height: ShapeFunction, cosine: ca.SX, symbols: list[ca.SX]) -> InCosin
     """The height as p + q sinθ; a `NotSmoothError` if its graph is none."""
     zero = ca.SX(0)
 
-    def apply(name: str, *values: Any) -> Any:
+    def in_cosine(name: str, *values: Any) -> Any:
         if name in ("sin", "cos") and isinstance(values[0], Inclination):
             return values[0].wave()[name == "sin"]
         if any(isinstance(v, Inclination) for v in values):
@@ -150,7 +150,7 @@ def _read(height: ShapeFunction, cosine: ca.SX, symbols: list[ca.SX]) -> InCosin
         return InCosine(cosine, function(*plain), zero)
 
     names = (*UNARY, *MORE, "pow", "atan2", "hypot")
-    table: dict[str, Callable[..., Any]] = {name: partial(apply, name) for name in names}
+    table: dict[str, Callable[..., Any]] = {name: partial(in_cosine, name) for name in names}
     algebra = Algebra("cosine", lambda v: InCosine(cosine, ca.SX(v), zero), table)
     numbers = [InCosine(cosine, v, zero) for v in symbols]
     arguments: list[list[Any]] = [[Inclination(cosine)], *([n] for n in numbers)]

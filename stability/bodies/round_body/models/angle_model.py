@@ -164,7 +164,7 @@ def _round_model(  # noqa: PLR0913
         rates.append(placed(x, *velocity, extra))
         names += POSE
         series["reach"] = seen["lever"]
-    guards, words = _ends(x[0], flat, between, flat_at)
+    guards, words = _end_guards(x[0], flat, between, flat_at)
     guards = {LIFT_OFF: pressing} | guards
     if sticking:
         guards[CONE] = (mu * normal) ** 2 - ca.sumsqr(seen["contact_force"])
@@ -253,7 +253,7 @@ def _rough_model(of: Shape, flat_at: tuple[bool, bool], resistance: Resistances)
     )
 
 
-def _ends(
+def _end_guards(
     theta: ca.SX, flat: ca.SX, between: tuple[float, float], flat_at: tuple[bool, bool]
 ) -> tuple[dict[str, ca.SX], dict[str, str]]:
     """Guards of the ends of θ, and their words."""

@@ -110,7 +110,7 @@ def _pole_model(  # noqa: PLR0913
         rates += [ca.cross(turn, extra[:3]), along / POSE_UNIT]
         names += [*FRONT, *PLACE]
         series |= {"arm_X": arm[0], "arm_Y": arm[1]}
-    guards, words = _ends(axis[2], between, smooth)
+    guards, words = _end_guards(axis[2], between, smooth)
     guards = {LIFT_OFF: normal * seen["determinant"]} | guards
     if slips and ca.depends_on(seen["determinant"], x[6:]):
         guards[NO_CONTACT] = seen["determinant"]
@@ -159,7 +159,7 @@ AXES = ("axis_x", "axis_y", "axis_z")
 """Names of the axis's components in a motion's dataset."""
 
 
-def _ends(
+def _end_guards(
     cosine: ca.SX, between: tuple[float, float], smooth: tuple[bool, bool]
 ) -> tuple[dict[str, ca.SX], dict[str, str]]:
     """Guards of the ends of θ that are not smooth poles, and their words."""
