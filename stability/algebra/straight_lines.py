@@ -44,16 +44,16 @@ class Record:
     """Language of the lines."""
     lines: list[str] = field(default_factory=list)
     """Lines so far."""
-    known: dict[str, Line] = field(default_factory=dict)
+    lines_by_text: dict[str, Line] = field(default_factory=dict)
     """Result by its text, so that an operation is written once."""
 
     def line(self, text: str) -> Line:
         """The name of what a text computes."""
-        if text not in self.known:
+        if text not in self.lines_by_text:
             name = f"t{len(self.lines)}"
             self.lines.append(self.language.line.format(name=name, text=text))
-            self.known[text] = Line(self, name)
-        return self.known[text]
+            self.lines_by_text[text] = Line(self, name)
+        return self.lines_by_text[text]
 
     def text(self, value: Any) -> str:
         """A number or line as text."""

@@ -76,7 +76,7 @@ class Shown:
     """Name in captions."""
     make: Callable[[], Body]
     """The body of the diagrams at one shape."""
-    own: str
+    swept: str
     """The number of the body on the upper axis of the other diagrams."""
     range: tuple[float, float]
     """Its interval."""
@@ -161,7 +161,7 @@ class Diagram:
 
 def kinds(shown: Shown, name: str) -> tuple[str, ...]:
     """The diagrams of a family of a body, by the last word of a `Key`."""
-    return ("plane",) if name in PLANES else ("mu", shown.own, *LAWS)
+    return ("plane",) if name in PLANES else ("mu", shown.swept, *LAWS)
 
 
 def names(shown: Shown) -> list[str]:
@@ -214,7 +214,7 @@ def _up(shown: Shown, kind: str, rows: int) -> tuple[Any, ...]:
     """The vertical axis."""
     if kind == "plane":
         return "phi_dot", *TURNS, rows
-    return ("mu", *FRICTION, rows, "log") if kind == "mu" else (shown.own, *shown.range, rows)
+    return ("mu", *FRICTION, rows, "log") if kind == "mu" else (shown.swept, *shown.range, rows)
 
 
 def draw(key: str, name: str, kind: str, folder: str, resolution: int) -> Diagram:
@@ -246,7 +246,7 @@ def draw(key: str, name: str, kind: str, folder: str, resolution: int) -> Diagra
     caption = _diagram_caption(
         spoken(family), shown.name, said, dataset, [], [], colour_scale(dataset), ON[law]
     )
-    over = {"mu": "friction", "plane": "inclination and precession rate"}.get(kind, shown.own)
+    over = {"mu": "friction", "plane": "inclination and precession rate"}.get(kind, shown.swept)
     what = f"Stability diagram of {spoken(family)} of the {shown.name} {ON[law]}, over {over}"
     return Diagram(Picture(stem, *caption, what), True)
 

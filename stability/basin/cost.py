@@ -57,7 +57,7 @@ class Cost:
 class _Trial:
     """What some launches cost, and how that grows with their number."""
 
-    found: Arrays
+    columns: Arrays
     """Arrays of the launches."""
     turns: Floats
     """Numbers of steps at which a launch ended, ascending, whole strides."""
@@ -69,7 +69,7 @@ class _Trial:
     @property
     def count(self) -> int:
         """Number of launches."""
-        return len(self.found["outcome"])
+        return len(self.columns["outcome"])
 
     def steps(self, launches: float) -> float:
         """Steps of whole batches if so many launches end as these do.
@@ -143,7 +143,7 @@ def predict(
         return Cost(0, layout.total, 0, 0.0, 0.0, 0.0, workers, 0)
     cells = _spread(layout.shape)
     trial = _trials(plan, cells, max(launches, 1), clock)
-    columns = trial.found
+    columns = trial.columns
     border = _along_borders(layout.shape, cells[: trial.count], columns, levels) if levels else 0
     waves = 2 * levels  # of a refinement; they follow each other
     parts = [trial.price(launches / max(len(blocks), 1))] * len(blocks)

@@ -553,14 +553,14 @@ class AxisScan:
         self._proofs: dict[float, tuple[Verdict, bool]] = {}
         self._formulas: dict[int, RepeatedBalls] = {}
 
-    def given(self, value: Any) -> tuple[list[Any], list[Any]]:
+    def numbers_at(self, value: Any) -> tuple[list[Any], list[Any]]:
         """Family parameters and parameters at a number, a ball or a series of the axis."""
         return self.problem.balls(self.fixed | {self.axis: value})
 
     def followed(self, values: Sequence[Any]) -> list[list[float] | None]:
         """Unknowns of many members in double precision, followed all at once; None without one."""
         with precision(BITS):
-            parameters = [self.given(arb(v)) for v in values]
+            parameters = [self.numbers_at(arb(v)) for v in values]
         a, q = (
             np.array([[float(v.mid()) for v in pair[i]] for pair in parameters]).reshape(
                 len(parameters), -1
@@ -593,7 +593,7 @@ class AxisScan:
         """The same for every value in a ball; not cached."""
         family = self.problem.family
         with precision(bits):
-            a, q = self.given(value)
+            a, q = self.numbers_at(value)
             form = self.formulas
             if form is not None:
                 formulas = self._formulas.setdefault(bits, RepeatedBalls(form))
@@ -646,7 +646,8 @@ class AxisScan:
             return True
         with precision(BITS):
             places = [
-                self.given(v) for v in (arb(middle), arb(low).union(arb(high)), arb(low), arb(high))
+                self.numbers_at(v)
+                for v in (arb(middle), arb(low).union(arb(high)), arb(low), arb(high))
             ]
             return in_one_box(self.problem.family, *places)
 

@@ -73,24 +73,24 @@ class Members:
         waiting = [r for r in rows if r["status"] == "open"]
         signs: dict[int, dict[int, Any]] = {id(r): {} for r in waiting}
         chance = random.Random(0)  # the same members each time
-        points = [self._near(chance, trial) for trial in range(TRIALS)]
+        points = [self._trial_point(chance, trial) for trial in range(TRIALS)]
         for point in points:
             left = [r for r in waiting if len(signs[id(r)]) < 2]
             if not left or budget.spent > budget.seconds:
                 break
-            self._signs(point, left, signs)
+            self._record_signs(point, left, signs)
         for row in waiting:
             others = (p for point in points[:4] for p in self._beside(row["rest"], point))
             for point in others:
                 if len(signs[id(row)]) == 2 or budget.spent > budget.seconds:
                     break
-                self._signs(point, [row], signs)
+                self._record_signs(point, [row], signs)
         for row in waiting:
             both = signs[id(row)]
             row["witnesses"] = tuple(sorted(both.items(), reverse=True))
             row["status"] = "changes" if len(both) == 2 else "open"
 
-    def _signs(
+    def _record_signs(
         self, point: dict[str, Any], rows: list[dict[str, Any]], signs: dict[int, dict[int, Any]]
     ) -> None:
         """Record the signs at a member, where there is one inside the domain."""
@@ -108,7 +108,7 @@ class Members:
         except (NoMemberError, DomainError, ZeroDivisionError, NotExact):
             return
 
-    def _near(self, chance: random.Random, trial: int) -> dict[str, Any]:
+    def _trial_point(self, chance: random.Random, trial: int) -> dict[str, Any]:
         family = self.polynomial.family
         point = dict(self.polynomial.values)
         for name in (*family.at, *family.parameters):
@@ -293,7 +293,7 @@ class Deduction:
 
     def _oriented(self, coefficients: Sequence[Poly], count: int) -> tuple[Any, bool, int]:
         lead = self.domain.sign(coefficients[-1])
-        turned = -1 if lead.known < 0 and not lead.open else 1
+        turned = -1 if lead.value < 0 and not lead.open else 1
         even = is_even(coefficients)
         return tuple(c * turned for c in coefficients), even, count
 
@@ -366,12 +366,12 @@ class Deduction:
 
     def _row(self, place: int, name: str, kind: str, poly: Poly) -> dict[str, Any]:
         sign = self.domain.sign(poly)
-        rest = self.whole.ring.constant(sign.known or 0)
+        rest = self.whole.ring.constant(sign.value or 0)
         for f in sign.open:
             rest = rest * f
         for f in sign.nonzero:
             rest = rest * f * f
-        status = "positive" if sign.known > 0 else "negative" if sign.known else "zero"
+        status = "positive" if sign.value > 0 else "negative" if sign.value else "zero"
         if sign.open or sign.nonzero:
             status = "open"
         return {

@@ -191,7 +191,7 @@ MOST_TERMS = 4000
 class Sign:
     """The sign of a polynomial: a known sign times factors whose sign is open."""
 
-    known: int
+    value: int
     """1 or -1; 0 for the polynomial zero."""
     open: tuple[Poly, ...]
     """Factors of odd power whose sign is not proved."""
@@ -253,7 +253,7 @@ class Domain:
                 self._waiting.remove(entry)
                 changed = True
                 if sign.open:
-                    self._take(sign.open[0] * sign.known, entry[1])
+                    self._take(sign.open[0] * sign.value, entry[1])
 
     def exclude(self, poly: Poly) -> None:
         """Take a polynomial as different from zero; a bound where it vanishes is not allowed."""

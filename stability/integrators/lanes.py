@@ -157,7 +157,7 @@ class _LaneRun:
         ends: Ends,
     ) -> None:
         self.batches, self.p, self.horizon, self.most = batches, p, horizon, most
-        self.watch, self.found, self.next = watch, ends, 0
+        self.watch, self.ends, self.next = watch, ends, 0
         self.idle = ends.state[0].copy()
         self.times: Floats | None = None
         self.sampled = np.ones(len(p), dtype=np.intp)  # the start is the first
@@ -203,7 +203,7 @@ class _LaneRun:
             self._put(at, lane, mine)
             if self.seconds is not None:  # the lanes of a batch share its time
                 self.budgets[mine] = TimeBudget(float(self.seconds[mine]) * self.width)
-            batch.state[:, lane] = self.found.state[mine]
+            batch.state[:, lane] = self.ends.state[mine]
             batch.pars[:, lane] = self.p[mine, : len(batch.pars)]
             if batch.with_events:
                 batch.reset_cooldowns(lane)
@@ -219,10 +219,10 @@ class _LaneRun:
         batch, more = self.batches[at], {}
         if self.piece is not None:
             more = {"max_delta_t": self.longest[at]}
-        if self.times is None or self.found.samples is None:
+        if self.times is None or self.ends.samples is None:
             batch.propagate_until(last, max_steps=steps, **more)
         else:
-            self._sample(at, self.times, self.found.samples, steps, more)
+            self._sample(at, self.times, self.ends.samples, steps, more)
         outcomes: list[Any] = batch.propagate_res
         return outcomes
 
@@ -242,7 +242,7 @@ class _LaneRun:
         gap = times[launches, -np.maximum(left, 1)] - now
         cramped = (launches >= 0) & (gap < others * SPACE * times[launches, -1])
         if cramped.any():  # too few doubles lie in front of its next time: it runs alone
-            self.found.kind[launches[cramped]] = FAILED
+            self.ends.kind[launches[cramped]] = FAILED
             self._refill(at, np.flatnonzero(cramped))
             self._sample(at, times, samples, steps, more)
             return
@@ -267,11 +267,11 @@ class _LaneRun:
         carried, stride = self.lanes[at], STRIDE
         if self.watch is None:
             mine = carried[carried >= 0]
-            stride = int(min(UNSEEN, (self.most[mine] - self.found.steps[mine]).min()))
+            stride = int(min(UNSEEN, (self.most[mine] - self.ends.steps[mine]).min()))
         results = self._propagate(at, self.last[at], stride)
         # the library says of all lanes at once that they have reached their limit of steps
         if results[0][0] == self.full and (batch.time < self.last[at]).all():
-            self.found.steps[carried] += stride
+            self.ends.steps[carried] += stride
             return stand
         left, going = stride, carried >= 0
         while True:
@@ -279,7 +279,7 @@ class _LaneRun:
             for lane, (outcome, _, _, steps) in enumerate(results):
                 if going[lane]:
                     made = max(made, steps)
-                    self.found.steps[carried[lane]] += steps
+                    self.ends.steps[carried[lane]] += steps
                     stand[lane] = self.codes.get(int(outcome), EVENT)
             # of lanes that another one has stopped the library says that they have lasted
             stand[stand == LASTED] = RUNNING
@@ -301,7 +301,7 @@ class _LaneRun:
         """Show the states to the watcher, write what has ended, and refill the lanes."""
         carried = self.lanes[used]
         going = (carried >= 0) & (stand == RUNNING)
-        spent = going & (self.found.steps[carried] >= self.most[carried])
+        spent = going & (self.ends.steps[carried] >= self.most[carried])
         if self.seconds is not None:
             spent |= going & [[i >= 0 and self.budgets[i].spent for i in row] for row in carried]
         stand[spent] = FAILED
@@ -317,9 +317,9 @@ class _LaneRun:
                 stand[where[0][proved], where[1][proved]] = PROVED
         ended = np.nonzero((carried >= 0) & (stand != RUNNING))
         mine = carried[ended]
-        self.found.kind[mine] = stand[ended]
-        self.found.time[mine] = times[ended]
-        self.found.state[mine] = states[ended[0], :, ended[1]]
+        self.ends.kind[mine] = stand[ended]
+        self.ends.time[mine] = times[ended]
+        self.ends.state[mine] = states[ended[0], :, ended[1]]
         for at in np.unique(ended[0]):
             self._refill(int(used[at]), ended[1][ended[0] == at])
         if self.next >= len(self.p):

@@ -198,7 +198,7 @@ class _Dry:
             elif mode == STICKING:
                 mode = self._stick()
             elif math.hypot(self.y[4], self.y[5]) <= NEAR:
-                mode = self._near()
+                mode = self._run_polar()
             else:
                 mode = self._slide()
         path = Path(np.array(self.rows), self.end, self.steps, self.budget.used)
@@ -243,7 +243,7 @@ class _Dry:
                 return True
         return False
 
-    def _near(self) -> int:
+    def _run_polar(self) -> int:
         """Run in polar form: to rest, back to plain sliding, or to an end."""
         state = np.append(self.y, self.time)
         state[4] = math.log(math.hypot(self.y[4], self.y[5]))

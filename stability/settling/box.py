@@ -370,9 +370,9 @@ class _Test:
     around: Surroundings
     made: Tapes
     y: Balls
-    given: Floats
+    arguments: Floats
     e: Balls
-    found: Settled
+    settled: Settled
     plain: bool
     just: NDArray[np.bool_]
     """Which launches are proved, or nearly."""
@@ -388,9 +388,9 @@ class _Test:
     def centres(self, left: NDArray[np.bool_]) -> tuple[Any, Floats, Floats, Floats]:
         """Launches, centres y_c = y - ℓᵀe, rows ℓ with ℓᵀA = ∂g/∂e there, and A."""
         m = self.around.across
-        whole = np.isfinite(np.hstack([self.y.mid, self.given, self.e.mid])).all(1)
+        whole = np.isfinite(np.hstack([self.y.mid, self.arguments, self.e.mid])).all(1)
         some = np.flatnonzero(whole & left)
-        y, e, arguments = self.y.mid[some], self.e.mid[some], self.given[some]
+        y, e, arguments = self.y.mid[some], self.e.mid[some], self.arguments[some]
         centre, slow, a = y, np.zeros((len(y), self.around.along, m)), np.zeros((len(y), m, m))
         for _ in range(3):
             both = self.slopes(centre, arguments)
@@ -405,7 +405,7 @@ class _Test:
         if not len(some):
             return _modal(a)
         # in any company the same: the basis of the next member on the grid
-        places = np.column_stack([np.rint(centre[:, 0] / STEP), self.given[some]])
+        places = np.column_stack([np.rint(centre[:, 0] / STEP), self.arguments[some]])
         nodes, rows = np.unique(places, axis=0, return_inverse=True)
         both = self.slopes(nodes[:, :1] * STEP, nodes[:, 1:])
         there, mine = both[:, : self.around.across], rows.ravel()
@@ -418,7 +418,7 @@ class _Test:
 
     def missed(self, some: Any, *rest: Floats) -> tuple[Any, ...]:
         """Launches that just miss the proof, and their parts of some arrays."""
-        again = self.just[some] & ~self.found.proved[some]
+        again = self.just[some] & ~self.settled.proved[some]
         return some[again], *(v[again] for v in rest)
 
     def proofs(self, some: Any, centre: Floats, slow: Floats, bases: Bases) -> None:
@@ -435,7 +435,7 @@ class _Test:
         loops, made, m = compiled(*KERNELS, plain=self.plain), self.made, self.around.across
         c, ell, z, x = (_lanes(v) for v in (centre, slow, z, x))
         y, ry, e, re = (_lanes(v[some]) for v in (*self.y, *self.e))
-        arguments = _lanes(self.given[some])
+        arguments = _lanes(self.arguments[some])
         f, kappa, r, eta, rows, turned = loops.start(z, x, ell, y, ry, e[:, None], re[:, None], c)
         rho = np.zeros_like(r)
         if made.rest is not None:
@@ -452,8 +452,8 @@ class _Test:
             beta, error = loops.turn(z, x, ell, j, rj, f, kappa, r, eta)
             if not turn:  # the rate of a box falls in proportion to its size, about
                 share = np.maximum(MARGIN * rate / (rate - beta), NEAREST)
-                before = np.where(self.just[some], self.found.nearer[some], 0.0)
-                self.found.nearer[some] = np.maximum(np.where(beta < 0, share, NEARER), before)
+                before = np.where(self.just[some], self.settled.nearer[some], 0.0)
+                self.settled.nearer[some] = np.maximum(np.where(beta < 0, share, NEARER), before)
                 self.just[some] |= beta > -JUST * rate
             fine = (mid[cut:] > rad[cut:]).all(0) & (beta > 0) & (beta * r > rho * UP)
             needed = (error + sideways) * UP
@@ -486,7 +486,7 @@ class _Test:
         return loops.length(moved[:, 0], wide[:, 0]), np.maximum(-highest, 1e-300)
 
     def _keep(self, some: Any, c: Floats, error: Floats, beta: Floats, across: Floats) -> None:
-        settled = self.found
+        settled = self.settled
         settled.proved[some], settled.limit[some] = True, c.T
         settled.error[some] = error.max(0)
         settled.rate[some], settled.reach[some] = beta, np.sqrt((across * across).sum(0))

@@ -56,7 +56,7 @@ class Near(NamedTuple):
     """The states that name them, shape (launches, along)."""
     distance: Floats
     """Norms of the deviations, shape (launches,); nan where there is no member."""
-    given: Floats
+    arguments: Floats
     """Their other numbers, shape (launches, ·)."""
 
 
@@ -73,15 +73,15 @@ class FamilyLine:
     along: tuple[str, ...]
     """The states that name a member, y, in their order."""
     member: Mapping[str, Any]
-    """The others at a member: expressions of `y` and `given`, numbers, `UPRIGHT`, or None where
+    """The others at a member: expressions of `y` and `arguments`, numbers, `UPRIGHT`, or None where
     any value will do."""
     y: ca.SX
     """Symbol of y."""
-    given: ca.SX
+    arguments: ca.SX
     """Symbols of the other numbers of a member, which end with the parameters of `system`."""
     numbers: Callable[[Floats, Floats], tuple[Floats, NDArray[np.bool_] | None]]
-    """(states of launches, parameters) → values of `given`, and which launches have a member near;
-    None where all have."""
+    """(states of launches, parameters) → values of `arguments`, and which launches have a member
+    near; None where all have."""
     guards: Sequence[ca.SX]
     """Functions of the system's states that must stay positive."""
     steady: bool = True
@@ -116,7 +116,7 @@ class FamilyLine:
         member = {n: self.member[n] for n in self.across}
         try:
             return surroundings(
-                self.system, self.guards, member, self.y, self.given, steady=self.steady
+                self.system, self.guards, member, self.y, self.arguments, steady=self.steady
             )
         except StabilityError as error:
             return f"convergence to it is not proved: {str(error).rstrip('.')}"
@@ -139,7 +139,7 @@ class FamilyLine:
         if self.along:
             e = ca.substitute(e, self.y, y)
         both = ca.densify(ca.vertcat(y, e))
-        return ca.Function("reading", [x, self.given, right], [both])
+        return ca.Function("reading", [x, self.arguments, right], [both])
 
     @cached_property
     def _there(self) -> Program:
@@ -148,7 +148,7 @@ class FamilyLine:
         values = (self.member[n] for n in self.across)
         column = (0.0 if v is None else right if v is UPRIGHT else v for v in values)
         there = ca.densify(ca.vertcat(*column))
-        return Program(ca.Function("there", [self.y, self.given, right], [there]))
+        return Program(ca.Function("there", [self.y, self.arguments, right], [there]))
 
     def near(self, states: Floats, p: Floats) -> Near:
         """The members nearest to states of launches, and how far these are from them.
@@ -166,7 +166,7 @@ class FamilyLine:
 
     def deviations(self, states: Floats, near: Near) -> Floats:
         """Deviations of states from the nearest members, shape (N, across)."""
-        return _read((self,), states, [near.given])[len(self.along) :].T
+        return _read((self,), states, [near.arguments])[len(self.along) :].T
 
     def enclosed(
         self, states: Floats, arguments: Floats, *, plain: bool = False

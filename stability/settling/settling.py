@@ -258,8 +258,8 @@ class Settling:
                 continue
             some = (close & (family == number)).nonzero()[0]
             with np.errstate(all="ignore"):
-                y, e = line.enclosed(states[some], member.given[some], plain=plain or alone)
-            proofs = settled(around, y, member.given[some], e, alone=alone, plain=plain)
+                y, e = line.enclosed(states[some], member.arguments[some], plain=plain or alone)
+            proofs = settled(around, y, member.arguments[some], e, alone=alone, plain=plain)
             whole.put(some, proofs)
         return NearestMany(self.names, family, distance, close, whole, tuple(near), states, p)
 
@@ -284,9 +284,9 @@ class Settling:
         list of Nearest
         """
         nearest = self.many(states, p, within, alone=True)
-        return [self._one(nearest, i, within) for i in range(len(states))]
+        return [self._in_words(nearest, i, within) for i in range(len(states))]
 
-    def _one(self, nearest: NearestMany, i: int, within: float) -> Nearest:
+    def _in_words(self, nearest: NearestMany, i: int, within: float) -> Nearest:
         """What is nearest to one of some launches, in words."""
         number, distance, proof = (
             int(nearest.family[i]),
@@ -321,7 +321,9 @@ class Settling:
         """The states of the member that is nearest to one of some launches."""
         line, near = self.lines[number := nearest.family[i]], nearest.near[number]
         row = slice(i, i + 1)
-        return self.member(line, line.members(nearest.states[row], near.y[row], near.given[row])[0])
+        return self.member(
+            line, line.members(nearest.states[row], near.y[row], near.arguments[row])[0]
+        )
 
     def distances(self, states: Floats, p: Floats, near: Nearest) -> Floats:
         """Distances of states, shape (t, s), from the family of a nearest member, shape (t,)."""

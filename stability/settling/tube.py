@@ -301,7 +301,7 @@ class _TubeStore:
     """Tubes of one family that were made before."""
 
     def __init__(self, around: Surroundings) -> None:
-        self.around, self.known = around, dict[bytes, Floats]()
+        self.around, self.stored = around, dict[bytes, Floats]()
 
     def slow(self, y: Floats, arguments: Floats) -> Floats:
         """The row ℓ at members, launch by launch."""
@@ -315,7 +315,7 @@ class _TubeStore:
         unique, mine = asked, np.zeros(1, int)
         if len(asked) != 1:  # one launch needs no sorting
             unique, mine = np.unique(asked, axis=0, return_inverse=True)
-        keys, stored = [row.tobytes() for row in unique], self.known
+        keys, stored = [row.tobytes() for row in unique], self.stored
         new = unique[[key not in stored for key in keys]]
         if len(new):
             if len(np.unique(new[:, 1:], axis=0)) <= SHARED:  # others will come nearby
@@ -324,8 +324,8 @@ class _TubeStore:
                 new[:, 0] += np.tile(np.arange(BLOCK), len(new) // BLOCK)
             made = self._made(new)
             # other threads may replace the table meanwhile, so this one answers from its own
-            stored, others = stored | made, self.known | made
-            self.known = made if len(others) > MOST_NODES else others
+            stored, others = stored | made, self.stored | made
+            self.stored = made if len(others) > MOST_NODES else others
         return _read(np.array([stored[k] for k in keys])[mine.ravel()], self.around.across)
 
     def _made(self, asked: Floats) -> dict[bytes, Floats]:

@@ -341,7 +341,7 @@ class SpectrumProof(Record):
     `NOT_ASKED` for double precision, a key of `REASONS` where the proof fails for that reason."""
     escalated: bool = False
     """Whether only points were certified that double precision left undecided."""
-    own: bool = False
+    from_exact: bool = False
     """Whether the proofs start from the family's exact polynomial."""
 
     def sentence(self, index: tuple[int, ...], *, certified: bool) -> str:
@@ -352,7 +352,7 @@ class SpectrumProof(Record):
         if bits in REASONS:
             return REASONS[bits]
         far = "proved" if certified else "undecided within the budget of precision"
-        source = " from the family's polynomial" if self.own else ""
+        source = " from the family's polynomial" if self.from_exact else ""
         return f"{far} in {in_words(bits)}{source}"
 
 

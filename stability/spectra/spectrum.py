@@ -55,12 +55,12 @@ STEADY = 1e-10
 class NumericPlace(MemberNumbers):
     """Members of a family of a numeric system, with the linearisation that is known there."""
 
-    found: Reduced
+    derivative: Reduced
     """Numerical derivative and its estimated error."""
 
     def reduced(self, family: Family, zeros: int, *, watch: bool = False) -> Reduced:  # noqa: ARG002
         """The linearisation; a numeric system has no structural zeros."""
-        return self.found
+        return self.derivative
 
 
 def numeric_spectrum(problem: Problem, system: NumericSystem, *, certify: bool) -> Spectrum:

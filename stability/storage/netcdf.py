@@ -413,7 +413,7 @@ class _Sink(io.RawIOBase):
         return self._file.tell()
 
     def truncate(self, size: int | None = None) -> int:
-        with self._kept():
+        with self._keeping_error():
             self._file.truncate(size)
         return size or 0
 
@@ -426,18 +426,18 @@ class _Sink(io.RawIOBase):
     def write(self, data: Any) -> int:
         view = memoryview(data).cast("B")
         count = len(view)
-        with self._kept():
+        with self._keeping_error():
             while len(view) and self._error is None:
                 view = view[self._file.write(view) or 0 :]
         return count
 
     def close(self) -> None:
-        with self._kept():
+        with self._keeping_error():
             self._file.close()
         super().close()
 
     @contextmanager
-    def _kept(self) -> Iterator[None]:
+    def _keeping_error(self) -> Iterator[None]:
         try:
             yield
         except OSError as error:

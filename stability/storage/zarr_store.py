@@ -498,7 +498,7 @@ class ZarrStore:
         if head is None:
             self._create(self._files(), asked)
         elif bad := damaged_files(self.folder):
-            self._told(bad, "written")
+            self._warn_damaged(bad, "written")
             files = self._files()
             for name in sorted(files, key=lambda name: name == HEAD):
                 _write(self.folder / name, files[name])
@@ -515,10 +515,10 @@ class ZarrStore:
                 blocks.append(block)
                 bad += damaged or []
         if bad:
-            self._told(bad, "computed")
+            self._warn_damaged(bad, "computed")
         return blocks
 
-    def _told(self, bad: list[str], how: str) -> None:
+    def _warn_damaged(self, bad: list[str], how: str) -> None:
         """Name the damaged files, which are made again."""
         warned(f"{path_text(self.folder)}: {named(bad)} is damaged, and is {how} again.")
 

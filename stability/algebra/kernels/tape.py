@@ -41,7 +41,7 @@ MOST_FACTORS = 16
 class _Recording:
     """Operations in order, each with the values that it reads."""
 
-    known: dict[tuple[Any, ...], int] = field(default_factory=dict)
+    places: dict[tuple[Any, ...], int] = field(default_factory=dict)
     steps: list[tuple[int, int, int, int]] = field(default_factory=list)
     constants: dict[int, float] = field(default_factory=dict)
     count: int = 0
@@ -52,19 +52,19 @@ class _Recording:
 
     def constant(self, number: float) -> _Value:
         key = ("constant", float(number), math.copysign(1.0, number))
-        if key not in self.known:
-            self.known[key] = self.value()
-            self.constants[self.known[key]] = float(number)
-        return _Value(self, self.known[key])
+        if key not in self.places:
+            self.places[key] = self.value()
+            self.constants[self.places[key]] = float(number)
+        return _Value(self, self.places[key])
 
     def step(self, kind: int, a: _Value, b: _Value | None = None) -> _Value:
         second = -1 if b is None else b.place
         key = (kind, a.place, second)
-        if key not in self.known:
-            target = self.known[key] = self.value()
+        if key not in self.places:
+            target = self.places[key] = self.value()
             other = self.value() if kind == SINES else second
             self.steps.append((kind, target, a.place, other))
-        return _Value(self, self.known[key])
+        return _Value(self, self.places[key])
 
 
 @dataclass(frozen=True, eq=False)

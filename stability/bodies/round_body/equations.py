@@ -86,7 +86,7 @@ def _system(  # noqa: PLR0913
     )
     states = STATES if slips else STATES[:4]
     x = ca.SX.sym("x", len(states))
-    along = height_of_angle(height, x[0], numbers.own)
+    along = height_of_angle(height, x[0], numbers.shape_symbols)
 
     def below(order: int) -> System:
         names = parameters if order else ()
@@ -125,7 +125,7 @@ def held_round(shape: Shape, resistance: Resistances) -> tuple[Program, Program]
     """A body held to a slip in its angles, dimensionless: see `held_programs`."""
     numbers = BodySymbols.of(shape, [r.coefficient for r in resistance], physical=False)
     x = ca.SX.sym("x", 4)
-    along = height_of_angle(shape[1], x[0], numbers.own)
+    along = height_of_angle(shape[1], x[0], numbers.shape_symbols)
     law, slip = Law(Rough, numbers.table, ()), ca.vertsplit(SLIP)
     return held_in_angles(_body(x, along, numbers, law, False, slip, resistance), numbers.p)
 

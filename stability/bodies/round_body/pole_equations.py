@@ -181,7 +181,7 @@ def _system(  # noqa: PLR0913
         ca.vertcat(x[0], x[1], up),
         x[len(axis) : len(axis) + 3],
         x[len(axis) + 3 :],
-        (cosine, height_of_cosine(height, cosine, numbers.own)),
+        (cosine, height_of_cosine(height, cosine, numbers.shape_symbols)),
         Law(law, numbers.table, parameters),
         numbers.table,
     )
@@ -221,7 +221,7 @@ def held_at_pole(shape: Shape, resistance: Resistances) -> tuple[Program, Progra
     """A body held to a slip along fixed axes, dimensionless: see `held_programs`."""
     numbers = BodySymbols.of(shape, [r.coefficient for r in resistance], physical=False)
     x, cosine = ca.SX.sym("x", 6), ca.SX.sym("c")
-    height = cosine, height_of_cosine(shape[1], cosine, numbers.own)
+    height = cosine, height_of_cosine(shape[1], cosine, numbers.shape_symbols)
     law = Law(Rough, numbers.table, ())
     body = PoleBody(x[:3], x[3:], STATED, height, law, numbers.table)
     body.against = [(r, numbers.table[r.coefficient]) for r in resistance]

@@ -121,9 +121,9 @@ class _Formulas:
         """The closed form of one body under one law."""
         table, theta = numbers.table, self.theta
         rate = table["gravity"] / table["length"]  # square of the unit of rates
-        level = ca.SX(height_of_angle(shape[1], theta, numbers.own))
-        h = self._series(shape[1], numbers.own) if _waves(shape[1]) > FEW else level
-        body = surface(theta, h, *(self._kept(table[n]) for n in ("transverse", "axial")))
+        level = ca.SX(height_of_angle(shape[1], theta, numbers.shape_symbols))
+        h = self._series(shape[1], numbers.shape_symbols) if _waves(shape[1]) > FEW else level
+        body = surface(theta, h, *(self._as_symbol(table[n]) for n in ("transverse", "axial")))
         variables = {
             "I1": body.transverse,
             "I3": body.axial,
@@ -194,11 +194,11 @@ class _Formulas:
         By the recurrence of `height_of_angle` enclosures grow with a power of the number of waves.
         """
         functions = casadi_algebra().functions
-        kept = Algebra("kept", self._kept, functions, lasting=False)
+        kept = Algebra("kept", self._as_symbol, functions, lasting=False)
         [[series]] = Program(height.function).run(kept, [[self.theta], *([n] for n in symbols)])
         return ca.SX(series)
 
-    def _kept(self, number: Any) -> ca.SX:
+    def _as_symbol(self, number: Any) -> ca.SX:
         """A number of many digits as a symbol: CasADi would round its products."""
         if not ca.SX(number).is_constant():
             return ca.SX(number)

@@ -42,7 +42,7 @@ class BodySymbols:
     """Names of the parameters, in order."""
     table: dict[str, Any]
     """Expression of each scale, moment, number of the shape and coefficient by name."""
-    own: list[ca.SX]
+    shape_symbols: list[ca.SX]
     """Symbols of the shape's numbers."""
 
     @classmethod

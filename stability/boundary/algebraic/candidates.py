@@ -67,12 +67,12 @@ def watched(tower: Tower, budget: Budget) -> list[Watched]:
             lambda q: subdiscriminants(q, budget)[-1],
         )
     for level in tower.levels:
-        if level.own is not None:
+        if level.equation is not None:
             # √ is the larger root on both sides, so nothing meets where its argument vanishes
             root = tower.polynomial.field.meaning.get(form.indices[level.place], ("",))[0]
             kind = "kink" if root == "sqrt" else "fold"
-            conditions.append((kind, level.own.derivative(level.place)))
-            parts = by_power(level.own, level.place)
+            conditions.append((kind, level.equation.derivative(level.place)))
+            parts = by_power(level.equation, level.place)
             conditions.append(("fold", parts[max(parts)]))
     out: dict[tuple[str, str], Watched] = {}
     for kind, poly in conditions:
@@ -106,10 +106,10 @@ def critical(
 def _reduced(tower: Tower, poly: Any) -> Any:
     """A polynomial modulo relations whose leading coefficient is a number."""
     for level in tower.levels:
-        if level.own is not None and level.place in occurring(poly):
-            parts = by_power(level.own, level.place)
+        if level.equation is not None and level.place in occurring(poly):
+            parts = by_power(level.equation, level.place)
             if parts[max(parts)].is_constant():
-                poly = remainder(poly, level.own, level.place)[0]
+                poly = remainder(poly, level.equation, level.place)[0]
     if poly == 0:
         raise NotExact("a condition vanishes all along the axis")
     return poly
@@ -283,7 +283,7 @@ class Candidates:
         self._known: dict[tuple[str, int], list[tuple[Any, Any]]] = {}
         for norm, watched in norms:
             self._norms.setdefault(str(norm), (norm, []))[1].append(watched)
-        self.found = self._separated(bits)
+        self.ordered = self._separated(bits)
         """Candidates in increasing order, some of them a little beyond the interval."""
 
     def _values(self, norm: Any) -> list[tuple[Any, Any]]:
@@ -328,7 +328,7 @@ class Candidates:
     @cached_property
     def fence(self) -> list[Any]:
         """Ends of the pieces between candidates; next to one at an end of the interval, beyond."""
-        values = [c.value for c in self.found]
+        values = [c.value for c in self.ordered]
         if not values:
             return [self.low, self.high]
         first, last = values[0], values[-1]

@@ -120,8 +120,8 @@ class AxisMembers(ABC):
 
     def between(self) -> Iterator[tuple[Candidate, CandidateCell, CandidateCell]]:
         """Each candidate with the pieces below and above."""
-        if self.candidates.found:
-            yield from zip(self.candidates.found, self.cells, self.cells[1:], strict=False)
+        if self.candidates.ordered:
+            yield from zip(self.candidates.ordered, self.cells, self.cells[1:], strict=False)
 
     @abstractmethod
     def cell(self, low: Any, high: Any) -> CandidateCell:
@@ -234,7 +234,7 @@ class BranchMembers(AxisMembers):
                 return AxisVerdict(sign, label, "")
         return AxisVerdict(0, label, reason)
 
-    def known(self, value: Any) -> Mapping[int, Any]:
+    def values_at(self, value: Any) -> Mapping[int, Any]:
         """Values of the polynomials' variables at a ball of the axis.
 
         Raises
@@ -272,9 +272,9 @@ class BranchMembers(AxisMembers):
     def _label(self, values: Mapping[int, Any]) -> tuple[int, ...] | None:
         out = []
         for level in self.tower.levels:
-            if level.own is None:
+            if level.equation is None:
                 continue
-            row = coefficient_row(level.own, level.place)
+            row = coefficient_row(level.equation, level.place)
             balls = [arb(evaluate(c, values)) for c in row]
             roots = None if balls[-1].contains(0) else isolated(balls, even=False)
             if roots is None:
@@ -365,7 +365,7 @@ class BranchMembers(AxisMembers):
             if bits == LADDER[0] and not self.holds(place, cell):
                 continue
             with precision(bits):
-                every = self.factors(self.known(arb(place)))
+                every = self.factors(self.values_at(arb(place)))
                 counts = [
                     unstable_count(a, even=even) for a, even in zip(every, self.even, strict=True)
                 ]
@@ -383,7 +383,7 @@ class BranchMembers(AxisMembers):
         """Factors in balls at a candidate, each with its power."""
         value = self.candidates.refined(candidate, FINE_BITS)
         with precision(FINE_BITS):
-            rows = self.factors(self.known(value))
+            rows = self.factors(self.values_at(value))
         return list(zip(rows, (power for _, power in self.tower.whole.factors), strict=True))
 
     def vanishing(self, candidate: Candidate) -> list[Watched] | None:
@@ -393,7 +393,7 @@ class BranchMembers(AxisMembers):
             try:
                 value = self.candidates.refined(candidate, bits)
                 with precision(bits):
-                    values = self.known(value)
+                    values = self.values_at(value)
                     left = [w for w in left if arb(evaluate(w.poly, values)).contains(0)]
             except (StabilityError, ZeroDivisionError, UnclearError):
                 # the root-finder fails where branches cross, and the branch goes on
@@ -434,7 +434,7 @@ class BranchMembers(AxisMembers):
         if occurring(what.image) <= {0, 1}:
             return True  # the polynomial is its own norm
         with precision(LADDER[0]):
-            signs = [arb(evaluate(what.poly, self.known(arb(end)))) for end in ends]
+            signs = [arb(evaluate(what.poly, self.values_at(arb(end)))) for end in ends]
         if signs[0] * signs[1] < 0:
             return True
         return self._small(candidate, what.image, what.poly)
@@ -450,7 +450,7 @@ class BranchMembers(AxisMembers):
         try:
             value = self.candidates.refined(candidate, bits)
             with precision(bits):
-                return bool(abs(arb(evaluate(poly, self.known(value)))) < arb(least))
+                return bool(abs(arb(evaluate(poly, self.values_at(value)))) < arb(least))
         except (StabilityError, UnclearError):
             return False
 
@@ -464,7 +464,7 @@ class BranchMembers(AxisMembers):
         try:
             value = self.candidates.refined(candidate, LADDER[1])
             with precision(LADDER[1]):
-                balls = self.factors(self.known(value))
+                balls = self.factors(self.values_at(value))
                 growth = [growing(a, b, zero) for a, b in zip(rows, balls, strict=True)]
         except (StabilityError, UnclearError, ZeroDivisionError):
             return None

@@ -295,7 +295,7 @@ class Level:
     """Polynomial in this and earlier variables that vanishes."""
     place: int
     """Index in the ring of the family's polynomials; -1 for the sine next to a cosine."""
-    own: Any
+    equation: Any
     """The relation in that ring; None for such a sine."""
 
 

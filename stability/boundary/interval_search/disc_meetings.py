@@ -336,7 +336,7 @@ class DiscMeetings(GraphMeetings):
     def _tables(self, place: Any, start: list[Any], count: int) -> list[tuple[Floats, Floats]]:
         """Taylor coefficients of the linearisation in doubles, and bounds on their errors."""
         with terms(count):
-            a, q = self.line.given(arb_series([place, 1]))
+            a, q = self.line.numbers_at(arb_series([place, 1]))
             entries = entries_of(self.family, a, q, start, count)
         rows, columns = np.array(self.family.graph.matrix.places[0]).reshape(-1, 2).T
         size = len(self.family.system.states)
@@ -375,7 +375,7 @@ class DiscMeetings(GraphMeetings):
 
     def zeros_in(self, piece: DiscPiece) -> int | None:
         """Number of meetings on a piece, each simple; None if this is not proved."""
-        open_blocks = self._found(piece)
+        open_blocks = self._open_blocks(piece)
         if open_blocks is not None:
             return sum(seen.meetings or 0 for _, seen in open_blocks)
         if (piece.low, piece.high) not in self.ended or not self.left:
@@ -384,7 +384,7 @@ class DiscMeetings(GraphMeetings):
         self.ended.remove((piece.low, piece.high))
         return super().zeros_in(super().piece(piece.low, piece.high))
 
-    def _found(self, piece: DiscPiece) -> list[tuple[list[int], PieceDiscs]] | None:
+    def _open_blocks(self, piece: DiscPiece) -> list[tuple[list[int], PieceDiscs]] | None:
         """The blocks that forms leave open, with what discs prove of them."""
         open_blocks = []
         with np.errstate(all="ignore"):  # what overflows proves nothing
@@ -406,7 +406,7 @@ class DiscMeetings(GraphMeetings):
 
     def near(self, piece: DiscPiece) -> tuple[float, Crossing] | None:
         """The single meeting of a piece to double precision."""
-        for block, seen in self._found(piece) or ():
+        for block, seen in self._open_blocks(piece) or ():
             for suspect in seen.suspects:
                 if suspect.crosses:
                     return self._polished(piece, block, suspect)

@@ -243,7 +243,7 @@ class Meetings(ABC):
             return 0
         if not self.monotone(piece, open_):
             return None
-        ends = [self._signs(value, piece) for value in (piece.low, piece.high)]
+        ends = [self._point_signs(value, piece) for value in (piece.low, piece.high)]
         signs = [(ends[0][i], ends[1][i]) for i in open_]
         return None if any(0 in pair for pair in signs) else sum(a != b for a, b in signs)
 
@@ -255,7 +255,7 @@ class Meetings(ABC):
         """The single meeting of a piece to double precision, where it is known."""
         return None
 
-    def _signs(self, value: float, piece: Any = None) -> list[int]:
+    def _point_signs(self, value: float, piece: Any = None) -> list[int]:
         """Proved signs of the functions at a point; 0 where open."""
         bits, out = BITS, [0]
         while 0 in out and bits <= POINT_BITS:
@@ -269,7 +269,7 @@ class Meetings(ABC):
     def clear(self, value: float) -> bool:
         """Whether no eigenvalue is on the imaginary axis at a point, proved."""
         try:
-            return 0 not in self._signs(value)
+            return 0 not in self._point_signs(value)
         except ArithmeticError:
             return False
 
@@ -343,12 +343,12 @@ class GraphMeetings(Meetings):
         return self._roots[key]
 
     def _unknowns(self, place: Any, near: Sequence[float] | None) -> list[Any]:
-        return positive_unknowns(self.family, *self.line.given(place), near)
+        return positive_unknowns(self.family, *self.line.numbers_at(place), near)
 
     def _matrices(self, place: Any, start: list[Any], count: int) -> list[Any]:
         """Taylor coefficients of the linearisation at a point, or at every point of a ball."""
         with terms(count):
-            a, q = self.line.given(arb_series([place, 1]))
+            a, q = self.line.numbers_at(arb_series([place, 1]))
             return linearisation(self.family, a, q, start, count)
 
     # --- a piece ---
@@ -494,7 +494,7 @@ class FormulaMeetings(Meetings):
     def _series(self, place: Any) -> tuple[list[Any], list[Any]]:
         """Functions, and numbers that are positive at members, as series about a ball."""
         with terms(FORMULA_ORDER + 1):
-            a, q = self.line.given(arb_series([place, 1]))
+            a, q = self.line.numbers_at(arb_series([place, 1]))
             try:
                 coefficients, _, positive = self.formulas(series_algebra(), a, q)
             except ValueError:  # a series divides by one whose first term may vanish
@@ -532,7 +532,7 @@ class FormulaMeetings(Meetings):
         key = value, bits
         if key not in self._known:
             with precision(bits):
-                a, q = self.line.given(value)
+                a, q = self.line.numbers_at(value)
                 coefficients, _, positive = self.formulas(series_algebra(), a, q)
                 if not all(v > 0 for v in positive):
                     return None

@@ -180,7 +180,7 @@ class _PieceSearch:
     def __init__(
         self, meetings: Meetings, low: float, high: float, least: float, *, log: bool
     ) -> None:
-        self.found, self.low, self.high = meetings, low, high
+        self.meetings, self.low, self.high = meetings, low, high
         self.least, self.log = least, log
         self.most, self.lost = meetings.most, 0
         self.singular: Mapping[float, str] = {}
@@ -192,7 +192,7 @@ class _PieceSearch:
         leaves: list[Leaf] = []
         self.most += count
         while heap:
-            if not self.found.prepared(middle_of(*heap[0][1:3])):
+            if not self.meetings.prepared(middle_of(*heap[0][1:3])):
                 self._prepare([waiting[1:3] for waiting in heap[: self.most - count]])
             _, low, high, reason = heapq.heappop(heap)
             if count >= self.most:
@@ -215,7 +215,7 @@ class _PieceSearch:
     def _prepare(self, waiting: list[tuple[float, float]]) -> None:
         """Members in all pieces that wait, at once: one at a time each takes as long as all."""
         places = (middle_of, lambda low, high: self._at(low, high, CUT))
-        self.found.prepare([*chain(*waiting), *(at(*pair) for pair in waiting for at in places)])
+        self.meetings.prepare([*chain(*waiting), *(at(*pair) for pair in waiting for at in places)])
 
     def _width(self, low: float, high: float) -> float:
         return math.log(high / low) if self.log else high - low
@@ -223,7 +223,7 @@ class _PieceSearch:
     def _cut(self, low: float, high: float) -> float:
         """Where a piece is cut: not where an eigenvalue is on the axis, if that can be avoided."""
         cuts = [self._at(low, high, share) for share in (CUT, *OTHER_CUTS)]
-        return next((c for c in cuts if self.found.clear(c)), cuts[0])
+        return next((c for c in cuts if self.meetings.clear(c)), cuts[0])
 
     def _at(self, low: float, high: float, share: float) -> float:
         if self.log:
@@ -234,15 +234,15 @@ class _PieceSearch:
         width = leaf.high - leaf.low
         if width <= self.least or not leaf.low < cut < leaf.high:
             return False
-        if not self.found.divisible(leaf.low, leaf.high):
+        if not self.meetings.divisible(leaf.low, leaf.high):
             return False
-        here = self.found.root(middle_of(leaf.low, leaf.high)) is not None
+        here = self.meetings.root(middle_of(leaf.low, leaf.high)) is not None
         if leaf.reason == BRANCH or (leaf.reason == NO_MEMBER and not here):
             self.lost += 1
             if self.lost > MOST_LOST:
                 return False
         if leaf.reason == NO_MEMBER and width < EXPLORED * (self.high - self.low):
-            return any(self.found.root(v) is not None for v in (leaf.low, cut, leaf.high))
+            return any(self.meetings.root(v) is not None for v in (leaf.low, cut, leaf.high))
         return True
 
     def _singular(self, low: float, high: float) -> Leaf | None:
@@ -256,11 +256,11 @@ class _PieceSearch:
     def _examined(self, low: float, high: float) -> Leaf:
         try:
             with precision(BITS):
-                piece = self.found.piece(low, high)
-                if not self.found.joined(piece):
+                piece = self.meetings.piece(low, high)
+                if not self.meetings.joined(piece):
                     return Leaf(low, high, None, BRANCH)
-                count = self.found.zeros_in(piece)
-                near = self.found.near(piece) if count == 1 else None
+                count = self.meetings.zeros_in(piece)
+                near = self.meetings.near(piece) if count == 1 else None
         except NoMemberError:
             return Leaf(low, high, None, NO_MEMBER)
         except (NoValueError, ZeroDivisionError, OverflowError):
@@ -613,7 +613,7 @@ class _Conditions:
 
     def _values(self, place: Any, near: list[float]) -> list[Any]:
         family = self.family
-        a, q = self.line.given(place)
+        a, q = self.line.numbers_at(place)
         u = ball_unknowns(family, a, q, near)
         states = [arb(row[0]) for row in family.graph.state.dense(balls(), [a, u, q])]
         values = dict(zip((*family.at, *family.parameters), (*a, *q), strict=True))

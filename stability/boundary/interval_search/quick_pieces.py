@@ -151,7 +151,7 @@ class Rounds:
         inputs: tuple[Floats, Floats],
         place: int,
     ) -> None:
-        self.found, self.inputs, self.place = meetings, inputs, place
+        self.meetings, self.inputs, self.place = meetings, inputs, place
         self.whole, self.inner, self.slope = tapes
         self.functions = len(meetings.kinds)
         self.asked: int = meetings.formulas.function.numel_out(2)
@@ -231,13 +231,13 @@ class Rounds:
         rises = value[which, 1, single] > 0
         roots = self._roots(lows[single], highs[single], which, rises) if len(single) else ()
         leaves = [
-            Leaf(float(lows[i]), float(highs[i]), 1, "", self._near(root, k))
+            Leaf(float(lows[i]), float(highs[i]), 1, "", self._root_and_crossing(root, k))
             for i, k, root in zip(single, which, roots, strict=True)
         ]
         return sure & ~turned.any(axis=0), list(zip(single.tolist(), leaves, strict=True))
 
-    def _near(self, root: float, which: int) -> tuple[float, Crossing] | None:
-        kind = self.found.kinds[which]
+    def _root_and_crossing(self, root: float, which: int) -> tuple[float, Crossing] | None:
+        kind = self.meetings.kinds[which]
         return None if kind is None else (root, kind)
 
     def _roots(self, lows: Floats, highs: Floats, which: NDArray[Any], rises: Flags) -> list[float]:
@@ -272,7 +272,7 @@ class Rounds:
     def _polished(self, here: float, slope: float, which: int, low: float, high: float) -> float:
         """A zero to all digits of a double, by balls."""
         for _ in range(POLISHED):
-            exact = self.found.values(here, BITS, None)
+            exact = self.meetings.values(here, BITS, None)
             step = float(arb(exact[which]).mid()) / slope if exact is not None and slope else 0.0
             if low <= here - step <= high:
                 here -= step

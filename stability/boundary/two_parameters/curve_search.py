@@ -334,7 +334,7 @@ class CurveSearch:
         for point, phases in zip(z, c, strict=True):
             if not self._inside(point, MARGIN) or (kind == "pair" and point[-1] <= 0):
                 continue
-            if not self._known(system, point):
+            if not self._is_found(system, point):
                 both = [self._walked(system, point, phases, side) for side in (-1, 1)]
                 self.curves.append(
                     SingularCurve(
@@ -350,7 +350,7 @@ class CurveSearch:
         parts = [*range(cut), *([system.size - 1] if system.pairs else [])]
         return z[..., parts]
 
-    def _known(self, system: DefiningSystem, z: Floats) -> bool:
+    def _is_found(self, system: DefiningSystem, z: Floats) -> bool:
         plain = self._plain(system, z)
         scale = self._scale(plain)
         return any(
@@ -448,7 +448,7 @@ class CurveSearch:
         for z in curve.z[rows]:
             try:
                 with precision(ROUGH_BITS):  # no proof yet: the sign says where to look
-                    _, equations, start = self._pair(z, 1)
+                    _, equations, start = self._pair_equations(z, 1)
                     sign = signed(_numerator(pair_of(equations, [arb(float(v)) for v in start])))
             except (NotProvedError, StabilityError, ArithmeticError):
                 before = None
@@ -457,7 +457,7 @@ class CurveSearch:
                 self._change(before[0], z)
             before = z, sign
 
-    def _pair(self, z: Floats, other: int) -> tuple[Follower, PairEquations, list[float]]:
+    def _pair_equations(self, z: Floats, other: int) -> tuple[Follower, PairEquations, list[float]]:
         """The equations of a pair with x or y held, and a point of a curve as a start."""
         names = self.sheet.axes
         follower = Follower(
@@ -483,7 +483,7 @@ class CurveSearch:
         cut = self.sheet.count
         way = np.abs(high - low)[cut - 2 : cut] / self._width
         for other in (int(np.argmax(way)), int(np.argmin(way))):
-            follower, equations, start = self._pair(low, other)
+            follower, equations, start = self._pair_equations(low, other)
             ends = float(low[cut - 2 + other]), float(high[cut - 2 + other])
             with (
                 suppress(NotProvedError, StabilityError, ArithmeticError, ValueError),

@@ -322,7 +322,7 @@ class BoxSearch:
     def __init__(self, plane: Plane, rectangle: Rectangle, size: int) -> None:
         self.plane, self.rectangle = plane, rectangle
         self.most = max(200, min(MOST_BOXES, WORK // size**3))
-        self.found: list[SpectralPoint] = []
+        self.points: list[SpectralPoint] = []
         self.unique: list[tuple[PointKind, Values]] = []
         self.left: list[UnresolvedBox] = []
         self.count = 0
@@ -330,7 +330,7 @@ class BoxSearch:
         self.cuts = plane.solved if isinstance(plane, GraphPlane) else (0, 1)
 
     def run(self, kinds: Sequence[PointKind] = SPECTRAL) -> None:
-        """Search; the results are in `found` and `left`."""
+        """Search; the results are in `points` and `left`."""
         with precision(BITS):
             heap = [(-1.0, self.count, self.rectangle, tuple(kinds), "")]
             while heap:
@@ -414,7 +414,7 @@ class BoxSearch:
                 return True
         self.unique.append((kind, wide))
         if point is not None and within(point.x, point.y, self.rectangle):
-            self.found.append(point)
+            self.points.append(point)
         return True
 
 

@@ -199,7 +199,7 @@ class GraphPlane:
         forms = []
         for series in ((arb_series([x, 1]), y), (x, arb_series([y, 1]))):
             with terms(2):
-                matrices = linearisation(self.family, *self._given(*series), start, 2)
+                matrices = linearisation(self.family, *self._numbers(*series), start, 2)
                 forms.append(polynomial(matrices, fold=False)[self.zeros :])
         return [Sloped(c[0], {0: c[1], 1: d[1]}) for c, d in zip(*forms, strict=True)]
 
@@ -213,15 +213,15 @@ class GraphPlane:
         axes = tuple(i for i, n in enumerate(names) if n in used)
         return axes or (0, 1)
 
-    def _given(self, x: Any, y: Any) -> tuple[list[Any], list[Any]]:
+    def _numbers(self, x: Any, y: Any) -> tuple[list[Any], list[Any]]:
         return self.problem.balls(self.fixed | dict(zip(self.names, (x, y), strict=True)))
 
     def _unknowns(self, x: Any, y: Any) -> list[Any]:
         family = self.family
-        here = ball_unknowns(family, *self._given(arb(x).mid(), arb(y).mid()))
+        here = ball_unknowns(family, *self._numbers(arb(x).mid(), arb(y).mid()))
         if not family.unknown or family.closed:
             return here
-        return ball_unknowns(family, *self._given(x, y), [float(v.mid()) for v in here])
+        return ball_unknowns(family, *self._numbers(x, y), [float(v.mid()) for v in here])
 
 
 class ExactPlane:
@@ -371,7 +371,7 @@ class Variables:
         for axis, some in enumerate(forms):
             if "" in some and len(some) > 1:
                 raise NotExact("an axis and its sine occur together")
-            turns.append(self._kept(axis, polys) if len(some) > 1 else "".join(some))
+            turns.append(self._kept_function(axis, polys) if len(some) > 1 else "".join(some))
         self.turns = turns[0], turns[1]
 
     @staticmethod
@@ -389,7 +389,7 @@ class Variables:
                 return axis, function
         raise NotExact("another function of the axes remains")
 
-    def _kept(self, axis: int, polys: Sequence[Any]) -> str:
+    def _kept_function(self, axis: int, polys: Sequence[Any]) -> str:
         """Sin or cos: that whose partner has even powers alone."""
         for kept, gone in (("sin", "cos"), ("cos", "sin")):
             places = [i for i, what in self._what.items() if what == (axis, gone)]

@@ -228,7 +228,7 @@ def _searched(
         return [*curves.listed(*SPECTRAL, PointKind.CUSP)], left, _lines(CURVES, axes)
     search = BoxSearch(GraphPlane(problem, names), rectangle, len(family.system.states))
     search.run()
-    points: list[SpectralPoint | ProvedPoint] = list(search.found)
+    points: list[SpectralPoint | ProvedPoint] = list(search.points)
     how = BOXES.format(count=search.count + 1) + (ON_BRANCH if solved else "")
     if search.left and curves is not None and curves.run():
         points += [

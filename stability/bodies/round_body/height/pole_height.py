@@ -41,10 +41,12 @@ class Inclination:
         self, cosine: ca.SX, times: int = 1, multiples: list[tuple[ca.SX, ca.SX]] | None = None
     ) -> None:
         self.cosine, self.times = cosine, times
-        self.known = [(ca.SX(1), ca.SX(0)), (cosine, ca.SX(1))] if multiples is None else multiples
+        self.multiples = (
+            [(ca.SX(1), ca.SX(0)), (cosine, ca.SX(1))] if multiples is None else multiples
+        )
 
     def _times(self, times: int) -> Inclination:
-        return Inclination(self.cosine, times, self.known)
+        return Inclination(self.cosine, times, self.multiples)
 
     def __mul__(self, other: Any) -> Inclination:
         value = other.even if isinstance(other, InCosine) else other
@@ -64,7 +66,7 @@ class Inclination:
 
     def wave(self) -> tuple[InCosine, InCosine]:
         """Cosine and sine, by the recurrence of Chebyshev's polynomials."""
-        c, multiples = self.cosine, self.known
+        c, multiples = self.cosine, self.multiples
         while len(multiples) <= abs(self.times):
             (a, b), (a1, b1) = multiples[-2:]
             multiples.append((2 * c * a1 - a, 2 * c * b1 - b))

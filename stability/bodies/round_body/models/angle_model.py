@@ -232,7 +232,7 @@ def _solved(
         return total_moment(against, turn, normal)
 
     at, moments = ca.SX.sym("at"), (numbers.table["transverse"], numbers.table["axial"])
-    at_symbol = surface(at, height_of_angle(of[1], at, numbers.own), *moments)
+    at_symbol = surface(at, height_of_angle(of[1], at, numbers.shape_symbols), *moments)
     places = ca.cse(ca.densify(ca.vertcat(*at_symbol[:7])))
     h, slope, curve, r, z, s, c = ca.vertsplit(ca.substitute(places, at, x[0]))
     body = ContactGeometry(h, slope, curve, r, z, s, c, *moments)
