@@ -23,7 +23,7 @@ from ..base.types import Floats
 from ..bodies.model import WORK
 from ..jobs.pipeline import Counted, here, ordered, shared, threads
 from .flow import ASKING, Flow, flow_of
-from .leg import Leg, Path, TimeBudget
+from .leg import Budget, Leg, Path
 from .taylor import (
     CORES,
     FINEST,
@@ -162,7 +162,7 @@ class _LaneRun:
         self.times: Floats | None = None
         self.sampled = np.ones(len(p), dtype=np.intp)  # the start is the first
         self.seconds: Floats | None = None
-        self.budgets: dict[int, TimeBudget] = {}
+        self.budgets: dict[int, Budget] = {}
         self.width = batches[0].batch_size
         shape = len(batches), self.width
         self.lanes = np.full(shape, -1, dtype=np.intp)
@@ -202,7 +202,7 @@ class _LaneRun:
             self.next += 1
             self._put(at, lane, mine)
             if self.seconds is not None:  # the lanes of a batch share its time
-                self.budgets[mine] = TimeBudget(float(self.seconds[mine]) * self.width)
+                self.budgets[mine] = Budget(float(self.seconds[mine]) * self.width)
             batch.state[:, lane] = self.ends.state[mine]
             batch.pars[:, lane] = self.p[mine, : len(batch.pars)]
             if batch.with_events:

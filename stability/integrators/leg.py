@@ -110,7 +110,7 @@ _READ = threading.local()
 """Wall clock and thread clock when a thread last read its own clock."""
 
 
-class TimeBudget:
+class Budget:
     """The computing time that a run has left, counted for the thread that made the budget.
 
     Other work on the machine does not count.  A reading of the thread's clock may take a

@@ -17,11 +17,11 @@ from .leg import (
     HALVINGS,
     LOWEST,
     UNRESOLVED,
+    Budget,
     End,
     Integrator,
     Leg,
     Path,
-    TimeBudget,
     lost,
     too_many,
 )
@@ -83,7 +83,7 @@ def integrate(
     options: dict[str, Any] = {"rtol": max(leg.tolerance, FINEST), "atol": leg.absolute}
     if implicit:
         options["jac"] = run.jacobian
-    samples, budget = _Samples(leg, clock), TimeBudget(leg.seconds)
+    samples, budget = _Samples(leg, clock), Budget(leg.seconds)
     steps, last = 0, float(leg.times[-1])
     if len(leg.times) == 1:
         return Path(leg.start[None], None, 0)

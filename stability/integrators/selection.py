@@ -22,7 +22,7 @@ from ..jobs.pipeline import Counted, here, ordered, shared
 from . import taylor
 from .flow import ASKING, Evaluator, Flow
 from .lanes import ALONE, integrate_many
-from .leg import UNRESOLVED, End, Integrator, Leg, Path, TimeBudget
+from .leg import UNRESOLVED, Budget, End, Integrator, Leg, Path
 from .registry import PLACES
 
 HEYOKA = "heyoka"
@@ -321,7 +321,7 @@ def _stiff_at(leg: Leg, end: End) -> bool:
 
 def _timed(method: str, leg: Leg) -> Path:
     """The path by one method, with the computing time that it took."""
-    budget = TimeBudget(leg.seconds)
+    budget = Budget(leg.seconds)
     path = METHODS[method](leg)
     return replace(path, seconds=budget.used)
 

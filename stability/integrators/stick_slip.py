@@ -36,7 +36,7 @@ from ..algebra.program import Program
 from ..base.types import Floats
 from ..bodies.model import CONE, LIFT_OFF, NO_CONTACT, WORK, Dry, Model
 from .flow import Flow, flow_of
-from .leg import UNRESOLVED, End, Leg, Path, TimeBudget, too_many
+from .leg import UNRESOLVED, Budget, End, Leg, Path, too_many
 from .scipy_methods import integrate as integrate_scipy
 from .selection import METHODS, explicit
 
@@ -179,7 +179,7 @@ class _Dry:
         self.modes: list[int] = []
         self.transitions: list[Transition] = []
         self.steps = 0
-        self.budget = TimeBudget(leg.seconds)
+        self.budget = Budget(leg.seconds)
         self.onset = 0.0  # stretched time of the first part of an onset, which is stiff
         self.end: End | None = None
 

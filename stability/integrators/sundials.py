@@ -22,11 +22,11 @@ from .leg import (
     HALVINGS,
     LOWEST,
     UNRESOLVED,
+    Budget,
     End,
     Integrator,
     Leg,
     Path,
-    TimeBudget,
     lost,
     too_many,
 )
@@ -116,7 +116,7 @@ def integrate(leg: Leg, *, plugin: str) -> Path:
     times = leg.times
     if len(times) == 1:
         return Path(leg.start[None], None, 0)
-    grid, budget = _grid(leg), TimeBudget(leg.seconds)
+    grid, budget = _grid(leg), Budget(leg.seconds)
     last, count, steps = len(grid) - 1, len(grid) - 1, 0
     rows, end = leg.start[None], None
     while end is None and len(rows) <= last:
@@ -136,7 +136,7 @@ def integrate(leg: Leg, *, plugin: str) -> Path:
 
 
 def _stretch(
-    leg: Leg, plugin: str, grid: Floats, start: Floats, budget: TimeBudget
+    leg: Leg, plugin: str, grid: Floats, start: Floats, budget: Budget
 ) -> tuple[Floats, End | None, int]:
     """States behind the start, at times of a grid before an end; none where the library gave up.
 
@@ -214,7 +214,7 @@ def _suspects(leg: Leg, grid: Floats, states: Floats) -> list[int]:
 
 
 def _march(
-    leg: Leg, plugin: str, span: Floats, start: Floats, budget: TimeBudget
+    leg: Leg, plugin: str, span: Floats, start: Floats, budget: Budget
 ) -> tuple[Floats, End | None, int]:
     """Run over one interval in pieces as short as needed, each checked; the state where it ends."""
     state, time, target, steps = start, float(span[0]), float(span[1]), 0

@@ -23,7 +23,7 @@ from ..base.errors import StabilityError
 from ..base.types import Floats
 from ..bodies.model import NO_CONTACT
 from .flow import Flow
-from .leg import UNRESOLVED, End, Integrator, Leg, Path, TimeBudget, lost, too_many
+from .leg import UNRESOLVED, Budget, End, Integrator, Leg, Path, lost, too_many
 
 CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 """Default number of threads for batches."""
@@ -169,7 +169,7 @@ def integrate(leg: Leg) -> Path:
         held.give(ta)
         held, ta = _taken(leg, OPTIMISED)
         ta.state[:], ta.time = state, left[0]
-        most, budget = leg.max_steps - quiet, TimeBudget(leg.seconds)
+        most, budget = leg.max_steps - quiet, Budget(leg.seconds)
         outcome, _, _, more, _, rest = ta.propagate_grid(
             left, max_steps=most, max_delta_t=longest, callback=budget
         )

@@ -15,7 +15,7 @@ from ..boundary.two_parameters.points import MOST_LINES, in_plane
 from ..derivation.latex import symbol
 from ..spectra.axes import swept
 from ..systems.family import Family
-from .table import About, Column, Definition, Table, TableStanding, framed, word
+from .table import About, Column, Definition, Standing, Table, framed, word
 
 HOPF_HEADING = "flutter boundaries of {name}: how oscillation begins (recomputed)"
 POINT_HEADING = "points of codimension two of {name} (recomputed)"
@@ -178,7 +178,7 @@ POINTS = Definition(
         "this package: points of codimension two of any family",
         "no value; tests compare them with normal forms",
         "points and their kinds from the family's equations",
-        TableStanding.DERIVED,
+        Standing.DERIVED,
     ),
     home=f"{__name__}:POINTS",
 )

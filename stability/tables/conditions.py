@@ -21,7 +21,7 @@ from ..derivation.formulas import LIMITS
 from ..derivation.latex import escaped
 from ..spectra.problem import disk_problem
 from .letters import mathematics, prose
-from .table import END, NEEDS, About, Column, Definition, Table, TableStanding, latex, plain, word
+from .table import END, NEEDS, About, Column, Definition, Standing, Table, latex, plain, word
 
 
 def conditions(
@@ -221,7 +221,7 @@ TABLE = Definition(
         "Przybylska & Rauch-Wojciechowski, Regul. Chaotic Dyn. 21 (2016) 204-231",
         "no value",
         "every change of verdict in a bracket with proved ends, for the package's laws",
-        TableStanding.RECOMPUTED,
+        Standing.RECOMPUTED,
     ),
     cites=cited(model=True, proofs=True),
     home=f"{__name__}:TABLE",

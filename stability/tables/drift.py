@@ -12,7 +12,7 @@ from ..bodies.contact_laws import Contact, law_named
 from ..bodies.disk import Disk
 from ..boundary.drift import FORMULAS, drift
 from .conditions import MU, K
-from .table import About, Column, Definition, TableStanding, units_note
+from .table import About, Column, Definition, Standing, units_note
 
 RATIOS = (1.25, 1.5, 2.0, 3.0)
 """Values of omega3 over its threshold in the table of drift."""
@@ -134,7 +134,7 @@ TABLE = Definition(
         "this package: the slow manifold of rolling",
         "no value",
         "times by the closed form; tests compare them with simulated motions",
-        TableStanding.DERIVED,
+        Standing.DERIVED,
     ),
     cites=MODEL,
     home=f"{__name__}:TABLE",

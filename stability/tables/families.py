@@ -16,7 +16,7 @@ from ..bodies.families import FAMILIES, SteadyFamily, families_of_disk
 from ..bodies.subject import disk_family
 from ..systems.structure.structural_zeros import structure
 from .conditions import scan
-from .table import About, Column, Definition, Table, TableStanding, framed, word
+from .table import About, Column, Definition, Standing, Table, framed, word
 
 SAMPLES, INERTIAS = (0.3, 0.9, 1.5, 2.3, 3.7, 6.1), (0.2, 0.45)
 """Values of at and k at which a root is compared with a closed form."""
@@ -173,7 +173,7 @@ TABLE = Definition(
         "Przybylska & Rauch-Wojciechowski, Regul. Chaotic Dyn. 21 (2016) 204-231",
         "the model, in abstract, introduction and the start of section 2; no table of it",
         "conditions, structural zeros and limits, from polynomials of the equations",
-        TableStanding.RECOMPUTED,
+        Standing.RECOMPUTED,
     ),
     cites=cited(model=True, proofs=True, theory=["sympy"]),
     home=f"{__name__}:TABLE",

@@ -14,7 +14,7 @@ from ..bodies.families import FAMILIES
 from ..boundary.hopf import hopf
 from .conditions import FREQUENCY, MU, K, member
 from .drift import law_of
-from .table import About, Column, Definition, TableStanding, units_note, word
+from .table import About, Column, Definition, Standing, units_note, word
 
 NONE: dict[str, Any] = {
     **dict.fromkeys(("at", "frequency", "crossing", "push")),
@@ -106,7 +106,7 @@ TABLE = Definition(
         "this package: Hopf bifurcations of lines of steady motions",
         "no value",
         "kinds from the centre manifold; tests compare them with simulated motions",
-        TableStanding.DERIVED,
+        Standing.DERIVED,
     ),
     cites=MODEL,
     home=f"{__name__}:TABLE",

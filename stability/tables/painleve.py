@@ -8,7 +8,7 @@ from typing import Any
 from ..base.citation import cited
 from ..base.quantities import Kind
 from ..base.types import Progress
-from .table import About, Column, Definition, Table, TableStanding, word
+from .table import About, Column, Definition, Standing, Table, word
 
 
 def _rows(body: Any = None, progress: Progress | None = None) -> list[dict[str, Any]]:
@@ -91,7 +91,7 @@ TABLE = Definition(
         "this package: the condition D > 0 of the general graph",
         "no value",
         "least value of (I1 + h′²)/(h |h′|), enclosed by bisection in balls",
-        TableStanding.DERIVED,
+        Standing.DERIVED,
     ),
     cites=cited(model=True, proofs=True),
     home=f"{__name__}:TABLE",

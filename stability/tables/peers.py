@@ -21,7 +21,7 @@ from ..systems.system import System
 from .benchmarks.bicycle import BENCHMARK, bicycle
 from .benchmarks.row import PUBLISHED, QUOTED, BenchmarkRow, Source, at_zero, symbols, system_of
 from .printed import Value, of_printed_values, printed_row
-from .table import About, TableStanding
+from .table import About, Standing
 
 BITS = 120
 """Working precision of a parameter at a proved member."""
@@ -276,7 +276,7 @@ TABLE = of_printed_values(
         "manual, test or log of a code for each model, named in its rows",
         "values of the rows that are marked `published`",
         "every value by this package, with a proved bound, from the model's equations",
-        TableStanding.PARTLY,
+        Standing.PARTLY,
         largest=2e-3,
     ),
     cites=cited(proofs=True),

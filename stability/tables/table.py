@@ -101,7 +101,7 @@ def word(name: str, meaning: str, place: str = "cell", share: float = 0.0) -> Co
     return Column(name, meaning, place=place, share=share)
 
 
-class TableStanding(Sentences):
+class Standing(Sentences):
     """Whether a table is reproduced; the value of each member is the sentence a user reads.
 
     Examples
@@ -139,7 +139,7 @@ class About(Record):
     """What of it was at hand as printed."""
     recomputed: str
     """What the package computes, and by which route."""
-    standing: TableStanding
+    standing: Standing
     """Whether it is reproduced."""
     largest: float | None = None
     """Bound on the difference, relative to the known values; None without such values."""

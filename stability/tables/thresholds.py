@@ -30,7 +30,7 @@ from .benchmarks.row import (
     rows_of,
     threshold,
 )
-from .table import About, TableStanding
+from .table import About, Standing
 
 BITS = 200
 """Working precision of the closed forms."""
@@ -168,7 +168,7 @@ TABLE = of_known_values(
         "nothing; the disk and one spin are quoted at second hand",
         "thresholds as proved changes of the certified verdict; known values by closed forms, in "
         "balls",
-        TableStanding.RECOMPUTED,
+        Standing.RECOMPUTED,
         largest=8e-6,
     ),
     cites=cited(eigenvalues=True, proofs=True, theory=["as2017"]),

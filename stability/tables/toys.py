@@ -16,7 +16,7 @@ from ..motion.simulate import simulate
 from .benchmarks.row import CLOSED, QUOTED, BenchmarkRow, Source
 from .peers import BITS
 from .printed import of_printed_values, printed_row
-from .table import About, TableStanding
+from .table import About, Standing
 
 BALLS = "hurricane balls, two equal welded balls"
 RATE = Source(f"{BALLS} of 16 mm", "a college's page of demonstrations", QUOTED)
@@ -87,7 +87,7 @@ TABLE = of_printed_values(
         "page, code or abstract for each toy, named in its rows",
         "nothing; the values are quoted at second hand",
         "steady members and one motion by this package; a mass by its closed form, in balls",
-        TableStanding.RECOMPUTED,
+        Standing.RECOMPUTED,
         largest=3e-2,
     ),
     cites=cited(model=True),

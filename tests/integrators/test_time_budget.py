@@ -13,7 +13,7 @@ import stability as st
 from stability.integrators import selection as integrators
 from stability.integrators import sundials
 from stability.integrators.flow import flow
-from stability.integrators.leg import Leg, TimeBudget
+from stability.integrators.leg import Budget, Leg
 from stability.integrators.selection import METHODS
 from stability.motion.result import BY_CODE
 from stability.motion.run import CHUNK
@@ -45,12 +45,12 @@ def test_dry_friction_has_a_budget_too() -> None:
 
 @pytest.mark.long
 def test_a_budget_is_of_the_thread_and_of_no_other() -> None:
-    budget = TimeBudget(1e6)
+    budget = Budget(1e6)
     assert budget(None)
     assert 0 < budget.left <= 1e6
-    assert not TimeBudget(0.0)(None)
+    assert not Budget(0.0)(None)
     for _ in range(3):  # a reading of the clock that serves several budgets
-        budget = TimeBudget(0.2)
+        budget = Budget(0.2)
         time.sleep(0.3)
         assert budget.left > 0.15 and not budget.spent
         end = time.thread_time() + 0.21

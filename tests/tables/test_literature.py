@@ -11,7 +11,7 @@ from stability.cli.commands import main
 from stability.tables.benchmarks.catalogue import CASES
 from stability.tables.benchmarks.row import AGREES, CLOSED, PUBLISHED, QUOTED
 from stability.tables.registry import PLACES, definition, every_table
-from stability.tables.table import TableStanding
+from stability.tables.table import Standing
 
 
 @cache
@@ -29,7 +29,7 @@ def test_every_table_says_where_it_is_from() -> None:
         assert all(
             len(row[key]) >= 8 for key in ("source", "published", "recomputed", "difference")
         )
-        assert TableStanding(row["status"].split(":")[0])
+        assert Standing(row["status"].split(":")[0])
 
 
 def test_nothing_is_reproduced_whose_printed_value_was_not_at_hand() -> None:
@@ -37,7 +37,7 @@ def test_nothing_is_reproduced_whose_printed_value_was_not_at_hand() -> None:
     assert {row["origin"] for row in rows()} == {QUOTED, CLOSED}
     about = definition("thresholds").about
     assert about is not None
-    assert about.standing is TableStanding.RECOMPUTED
+    assert about.standing is Standing.RECOMPUTED
 
 
 def test_no_table_without_published_rows_is_called_reproduced() -> None:
@@ -45,7 +45,7 @@ def test_no_table_without_published_rows_is_called_reproduced() -> None:
         about = definition(name).about
         if name not in ("list", "benchmarks", "thresholds", "peers"):
             assert about is not None
-            assert about.standing in (TableStanding.RECOMPUTED, TableStanding.DERIVED), name
+            assert about.standing in (Standing.RECOMPUTED, Standing.DERIVED), name
 
 
 def largest(table: Any) -> float:
@@ -66,7 +66,7 @@ def test_the_stated_difference_of_the_benchmarks_is_the_largest() -> None:
     found = [row for row in st.table("benchmarks", systems=list(CASES)) if row["recomputed"]]
     assert about.largest / 5 < largest(found) <= about.largest
     assert {row["origin"] for row in found} > {PUBLISHED, CLOSED}
-    assert about.standing is TableStanding.PARTLY
+    assert about.standing is Standing.PARTLY
 
 
 def test_the_command_lists_the_tables(capsys: pytest.CaptureFixture[str]) -> None:

@@ -12,7 +12,7 @@ from stability.tables import peers
 from stability.tables.benchmarks.row import PUBLISHED, BenchmarkRow
 from stability.tables.printed import printed_row
 from stability.tables.registry import definition
-from stability.tables.table import TableStanding
+from stability.tables.table import Standing
 
 
 @pytest.fixture(autouse=True)
@@ -235,6 +235,6 @@ def test_the_largest_difference_and_the_standing_are_those_of_the_rows() -> None
     assert about is not None and about.largest is not None
     printed = number("0.35665351")
     cusp = abs(number("0.3559912732086766") / printed - 1)
-    assert about.largest / 2 < cusp <= about.largest and about.standing is TableStanding.PARTLY
+    assert about.largest / 2 < cusp <= about.largest and about.standing is Standing.PARTLY
     origins = {row.origin for case in list(ORACLES)[:-1] for row in rows(case)}
     assert origins > {PUBLISHED, peers.RECALLED}

@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 
 from stability.tables import toys
 from stability.tables.registry import definition
-from stability.tables.table import TableStanding
+from stability.tables.table import Standing
 
 
 @cache
@@ -81,7 +81,7 @@ def test_what_has_no_value_is_said_and_nothing_is_reproduced() -> None:
     assert all(row["status"].startswith("not covered: the ") for row in missing)
     about = definition("toys").about
     assert about is not None and about.largest is not None
-    assert about.standing is TableStanding.RECOMPUTED
+    assert about.standing is Standing.RECOMPUTED
     off = [abs(r["difference"] / float(r["known"])) for r in rows().values() if r["recomputed"]]
     assert about.largest / 5 < max(off) <= about.largest
     assert toys.LEAN == 10

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from ...base.checks import chosen
 from ...base.citation import cited
 from ...base.types import Progress
-from ..table import About, TableStanding
+from ..table import About, Standing
 from .bicycle import linear_bicycle, nonlinear_bicycle
 from .oscillators import (
     axon,
@@ -85,7 +85,7 @@ TABLE = of_known_values(
         "a paper, course or code for each system, named in its rows",
         "values of the rows that are marked `published`",
         "every value by this package, from the system's equations",
-        TableStanding.PARTLY,
+        Standing.PARTLY,
         largest=4e-10,
     ),
     cites=cited(eigenvalues=True, proofs=True),
