@@ -61,8 +61,8 @@ def eigenvalue_discs(matrix: Floats, error: Floats) -> Discs:
 
     Examples
     --------
-    >>> found = eigenvalue_discs(np.array([[0.0, 1.0], [-2.0, -3.0]]), np.zeros((2, 2)))
-    >>> sorted(found.values.real.round(12).tolist()), bool(found.radius.max() < 1e-15)
+    >>> discs = eigenvalue_discs(np.array([[0.0, 1.0], [-2.0, -3.0]]), np.zeros((2, 2)))
+    >>> sorted(discs.values.real.round(12).tolist()), bool(discs.radius.max() < 1e-15)
     ([-2.0, -1.0], True)
     """
     n = len(matrix)

@@ -193,8 +193,8 @@ class Exact:
     Examples
     --------
     >>> import stability as st
-    >>> found = st.export.exact_polynomial("spinning", "viscous")
-    >>> found.variables, found.zeros
+    >>> polynomial = st.export.exact_polynomial("spinning", "viscous")
+    >>> polynomial.variables, polynomial.zeros
     (('k', 'M', 'z'), 1)
     """
 

@@ -230,8 +230,8 @@ class Citation(Record):
     Examples
     --------
     >>> import stability as st
-    >>> found = st.citation(st.spectrum("rolling", at=1.8, contact=st.Viscous(0.3)))
-    >>> [work.key for work in found.works]
+    >>> works = st.citation(st.spectrum("rolling", at=1.8, contact=st.Viscous(0.3)))
+    >>> [work.key for work in works.works]
     ['stability', 'przybylska2016', 'casadi', 'lapack']
     """
 

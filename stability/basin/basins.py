@@ -257,9 +257,9 @@ def basins(
     Examples
     --------
     >>> import stability as st
-    >>> found = st.basins(contact="viscous", mu=0.3, family="spinning",
+    >>> outcomes = st.basins(contact="viscous", mu=0.3, family="spinning",
     ...                   x=("phi_dot", 1.0, 3.0, 3), y=("tilt", 0.1, 0.2, 2), horizon=200.0)
-    >>> found.outcome.dims, found.outcome.values.tolist()
+    >>> outcomes.outcome.dims, outcomes.outcome.values.tolist()
     (('tilt', 'phi_dot'), [[1, 1, 1], [1, 1, 1]])
     """
     plan = _plan(SimpleNamespace(**locals()))  # every argument by its name
@@ -444,11 +444,11 @@ def _linear_verdict(launches: Launches, axes: tuple[Axis, ...]) -> dict[str, Any
     Examples
     --------
     >>> import stability as st
-    >>> found = st.basins(contact="viscous", mu=0.3, family="spinning", horizon=1.0,
+    >>> outcomes = st.basins(contact="viscous", mu=0.3, family="spinning", horizon=1.0,
     ...                   x=("at", 1.0, 3.0, 2), y=("tilt", 0.1, 0.2, 2))
-    >>> found.linear_verdict.dims, found.linear_verdict.values.tolist()
+    >>> outcomes.linear_verdict.dims, outcomes.linear_verdict.values.tolist()
     (('phi_dot',), [2, 1])
-    >>> found.linear_verdict.attrs["changes"], found.linear_verdict.attrs["zones"]
+    >>> outcomes.linear_verdict.attrs["changes"], outcomes.linear_verdict.attrs["zones"]
     ([2.0], [2, 1])
     """
     near = launches.steady(axes)

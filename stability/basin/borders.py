@@ -143,11 +143,11 @@ def borders(
     --------
     >>> def inside(points):
     ...     return (np.hypot(points[:, 0], points[:, 1]) < 0.8).astype(int)
-    >>> found = borders(inside, ("x", -1, 1, 5), ("y", -1, 1, 5), levels=6)
-    >>> found.mixed, found.asked, found.full
+    >>> outline = borders(inside, ("x", -1, 1, 5), ("y", -1, 1, 5), levels=6)
+    >>> outline.mixed, outline.asked, outline.full
     ((12, 28, 52, 100, 204, 412, 820), 3257, 66049)
-    >>> [line] = found.lines
-    >>> line.closed, bool(np.abs(np.hypot(*line.points.T) - 0.8).max() < found.widths[-1, 0])
+    >>> [line] = outline.lines
+    >>> line.closed, bool(np.abs(np.hypot(*line.points.T) - 0.8).max() < outline.widths[-1, 0])
     (True, True)
     """
     axes = Axis.of(x, "x"), Axis.of(y, "y")

@@ -128,8 +128,8 @@ def exact_polynomial(family: str, law: str | Contact | type[Contact] | None = No
     Examples
     --------
     >>> import stability as st
-    >>> found = st.export.exact_polynomial("rolling", "viscous")
-    >>> found.zeros, [str(p) for _, p in found.conditions]
+    >>> polynomial = st.export.exact_polynomial("rolling", "viscous")
+    >>> polynomial.zeros, [str(p) for _, p in polynomial.conditions]
     (2, ['2*k*z - 1'])
     """
     family = known("family", family, FAMILIES)

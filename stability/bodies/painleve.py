@@ -41,8 +41,8 @@ class PainleveLimit:
     Examples
     --------
     >>> import stability as st
-    >>> found = st.painleve_limit(st.Torus(0.2))
-    >>> found.low <= found.middle <= found.high, round(found.theta, 3)
+    >>> limit = st.painleve_limit(st.Torus(0.2))
+    >>> limit.low <= limit.middle <= limit.high, round(limit.theta, 3)
     (True, 1.017)
     """
 

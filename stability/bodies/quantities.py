@@ -127,8 +127,8 @@ def round_quantities(
     Examples
     --------
     >>> from stability.bodies.contact_laws import Rough
-    >>> found = round_quantities("torus", Rough, ["tube"], ["tube", "omega3"])
-    >>> [q.symbol for q in found.values()]
+    >>> quantities = round_quantities("torus", Rough, ["tube"], ["tube", "omega3"])
+    >>> [q.symbol for q in quantities.values()]
     ['b', 'ω₃']
     """
     if body == THIN:

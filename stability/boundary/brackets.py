@@ -142,10 +142,10 @@ class AxisCrossing:
     Examples
     --------
     >>> import stability as st
-    >>> [one, _] = st.boundaries(
+    >>> [change, _] = st.boundaries(
     ...     "spinning", axis=("at", 0.1, 5, 9), contact=st.Viscous(0.97), every=True
     ... )
-    >>> one.value, one.crossing.word, one.unstable_below, one.unstable_above
+    >>> change.value, change.crossing.word, change.unstable_below, change.unstable_above
     (2.0, 'static', 1, 0)
     """
 
@@ -306,8 +306,8 @@ class AxisPoints(Sequence[PointT], ABC):
         Examples
         --------
         >>> import stability as st
-        >>> found = st.boundaries("rolling", axis=("at", 1, 2, 9), contact=st.Viscous(0.3))
-        >>> found.to_csv().splitlines()[0]
+        >>> changes = st.boundaries("rolling", axis=("at", 1, 2, 9), contact=st.Viscous(0.3))
+        >>> changes.to_csv().splitlines()[0]
         'at [√(g/R)],error [√(g/R)],crossing,verdict,side,frequency [√(g/R)]'
         """
         return csv_text(*self.flat())
@@ -378,10 +378,10 @@ class Boundaries(AxisPoints[BoundaryPoint]):
     Examples
     --------
     >>> import stability as st
-    >>> found = st.boundaries("rolling", axis=("at", 0.1, 1, 9), contact=st.Smooth())
-    >>> len(found), found[0].value, found.complete, found.unresolved
+    >>> changes = st.boundaries("rolling", axis=("at", 0.1, 1, 9), contact=st.Smooth())
+    >>> len(changes), changes[0].value, changes.complete, changes.unresolved
     (1, 1.0, True, ())
-    >>> found == [found[0]], bool(found)
+    >>> changes == [changes[0]], bool(changes)
     (True, True)
     """
 
@@ -425,8 +425,8 @@ class Crossings(AxisPoints[AxisCrossing]):
     Examples
     --------
     >>> import stability as st
-    >>> found = st.boundaries("rolling", axis=("at", 0.1, 5, 9), contact=st.Viscous(1), every=True)
-    >>> [(c.unstable_below, c.unstable_above) for c in found], found.complete
+    >>> edges = st.boundaries("rolling", axis=("at", 0.1, 5, 9), contact=st.Viscous(1), every=True)
+    >>> [(c.unstable_below, c.unstable_above) for c in edges], edges.complete
     ([(1, 2), (2, 0)], True)
     """
 

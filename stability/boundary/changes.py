@@ -145,8 +145,8 @@ def boundaries(
     Examples
     --------
     >>> import stability as st
-    >>> found = st.boundaries("spinning", axis=("at", 0.1, 5, 9), contact=st.Viscous(0.97))
-    >>> [(round(b.value, 10), b.crossing.word) for b in found], found.complete
+    >>> changes = st.boundaries("spinning", axis=("at", 0.1, 5, 9), contact=st.Viscous(0.97))
+    >>> [(round(b.value, 10), b.crossing.word) for b in changes], changes.complete
     ([(2.0, 'static'), (2.0451355787, 'flutter')], True)
 
     >>> law = st.Viscous(1)

@@ -369,10 +369,10 @@ def formulas(family: str, law: str, k: Sequence[str] = ()) -> Formulas:
 
     Examples
     --------
-    >>> found = formulas("spinning", "viscous")
-    >>> found.boundaries[0]
+    >>> conditions = formulas("spinning", "viscous")
+    >>> conditions.boundaries[0]
     {'kind': 'static', 'of': 'phi_dot**2', 'formula': '1/k'}
-    >>> found.statements[0]
+    >>> conditions.statements[0]
     'for every k in (0, 1/2] and mu*² < 4*k/(2*k + 1)**2: stable beyond the static boundary'
     """
     return _formulas(str(family), str(law), tuple(_inertia(value) for value in k))

@@ -79,8 +79,8 @@ def settled(  # noqa: PLR0913
     >>> from stability.settling.body_lines import disk_settling
     >>> spinning = disk_settling(st.Viscous).lines[1]
     >>> y, e = np.array([[2.5], [1.9]]), np.full((2, 5), 1e-5)
-    >>> given = np.array([[1, 0.25, 0.3]] * 2)
-    >>> settled(spinning.around, Balls(y, 0 * y), given, Balls(e, 0 * e)).proved
+    >>> arguments = np.array([[1, 0.25, 0.3]] * 2)
+    >>> settled(spinning.around, Balls(y, 0 * y), arguments, Balls(e, 0 * e)).proved
     array([ True, False])
     """
     result, left = nothing(len(arguments), around.along), np.ones(len(arguments), bool)

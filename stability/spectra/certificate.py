@@ -100,8 +100,8 @@ def certify(
     >>> from stability.bodies.disk import Disk
     >>> from stability.spectra.problem import disk_problem
     >>> problem = disk_problem("rolling", Disk(k=0.5), Viscous(0.3), 1.0)
-    >>> found = certify(problem, problem.values)  # the boundary is omega3² = 1/(2k) = 1
-    >>> found.verdict.word, found.how
+    >>> certificate = certify(problem, problem.values)  # the boundary is omega3² = 1/(2k) = 1
+    >>> certificate.verdict.word, certificate.how
     ('neutral', 'rational arithmetic')
     """
     point = Point(problem, values, member)

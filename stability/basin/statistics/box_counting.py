@@ -79,8 +79,8 @@ def box_dimension(found: Borders) -> BoxDimension:
     >>> from stability.basin.borders import borders
     >>> def inside(points):
     ...     return np.hypot(points[:, 0], points[:, 1]) < 0.8
-    >>> found = box_dimension(borders(inside, ("x", -1, 1, 9), ("y", -1, 1, 9), levels=9))
-    >>> bool(found.interval[0] < 1 < found.interval[1]), round(found.dimension, 1)
+    >>> dimension = box_dimension(borders(inside, ("x", -1, 1, 9), ("y", -1, 1, 9), levels=9))
+    >>> bool(dimension.interval[0] < 1 < dimension.interval[1]), round(dimension.dimension, 1)
     (True, 1.0)
     """
     ways = [_dimension(counts) for counts in found.crossings.T]

@@ -144,8 +144,8 @@ def uncertainty_exponent(
     >>> def above(points):
     ...     return points[:, 1] > points[:, 0] ** 2
     >>> sizes = np.geomspace(1e-3, 0.1, 8)
-    >>> found = st.statistics.uncertainty_exponent(above, [0, 0], [1, 1], sizes)
-    >>> bool(found.interval[0] < 1 < found.interval[1]), found.dimensions
+    >>> exponent = st.statistics.uncertainty_exponent(above, [0, 0], [1, 1], sizes)
+    >>> bool(exponent.interval[0] < 1 < exponent.interval[1]), exponent.dimensions
     (True, 2)
     """
     box = _box(low, high)

@@ -122,8 +122,8 @@ def fractions(labels: ArrayLike, level: float = LEVEL) -> tuple[Fraction, ...]:
     Examples
     --------
     >>> import stability as st
-    >>> for one in st.statistics.fractions([0, 0, 1, 0, 2, 0, 0, 1, 0, 0]):
-    ...     print(one.label, one.value, f"{one.low:.3f} {one.high:.3f}")
+    >>> for fraction in st.statistics.fractions([0, 0, 1, 0, 2, 0, 0, 1, 0, 0]):
+    ...     print(fraction.label, fraction.value, f"{fraction.low:.3f} {fraction.high:.3f}")
     0 0.7 0.397 0.892
     1 0.2 0.057 0.510
     2 0.1 0.018 0.404

@@ -129,10 +129,10 @@ def fatal_shock(
     >>> import stability as st
     >>> def over(points):
     ...     return points.sum(axis=1) > 3  # at the distance √3 from the origin
-    >>> found = st.statistics.fatal_shock(over, [0, 0, 0], reach=5)
-    >>> bool(math.sqrt(3) < found.size < 1.001 * math.sqrt(3)), found.label
+    >>> shock = st.statistics.fatal_shock(over, [0, 0, 0], reach=5)
+    >>> bool(math.sqrt(3) < shock.size < 1.001 * math.sqrt(3)), shock.label
     (True, 1)
-    >>> bool(np.linalg.norm(found.launch) == found.size)
+    >>> bool(np.linalg.norm(shock.launch) == shock.size)
     True
     """
     budget = whole_number("budget", budget)

@@ -139,8 +139,8 @@ def codimension_two(
     >>> rates = ca.vertcat(x[1], -p[0] * x[0] - p[1] * x[1] - x[0] ** 3)
     >>> system = st.System("oscillator", x, p, rates, states=("q", "v"), parameters=("k", "c"))
     >>> rest = st.Family(system, "rest", at=("k",), held={"q": 0, "v": 0})
-    >>> found = st.codimension_two(rest, x=("k", -1, 1, 5), y=("c", -1, 1, 5))
-    >>> [(p.kind.word, p.x, p.y) for p in found], found.complete
+    >>> points = st.codimension_two(rest, x=("k", -1, 1, 5), y=("c", -1, 1, 5))
+    >>> [(p.kind.word, p.x, p.y) for p in points], points.complete
     ([('double zero', 0.0, 0.0)], True)
     """
     problem, (first, second) = swept(
