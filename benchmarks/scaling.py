@@ -89,7 +89,7 @@ def chunk_times(folder: Path, chunks: int, size: int) -> list[float]:
     def mark(*_: int) -> None:
         marks.append(time.process_time())
 
-    filled(folder, chunks + 1, size, work, own=here, progress=mark)
+    filled(folder, chunks + 1, size, work, start_pool=here, progress=mark)
     return list(np.diff(marks[1:]))
 
 

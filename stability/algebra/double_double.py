@@ -150,11 +150,11 @@ class DoubleDouble:
         rest = rest + self.lo * factor
         hi = total + rest
         passed = constant.size * self.error
-        found = DoubleDouble(hi, rest - (hi - total), passed + (ROUNDING * np.abs(total) + LOST))
+        product = DoubleDouble(hi, rest - (hi - total), passed + (ROUNDING * np.abs(total) + LOST))
         if abs(factor) <= HARMONICS and factor == (whole := int(factor)):
             base, times = self.multiple or (self, 1)
-            found.multiple = (base, times * whole)
-        return found
+            product.multiple = (base, times * whole)
+        return product
 
     def __truediv__(self, other: Any) -> DoubleDouble:
         o = exact(other)
@@ -162,9 +162,9 @@ class DoubleDouble:
         rest = self - first * o
         second = rest.hi / o.hi
         hi = first.hi + second
-        found = DoubleDouble(hi, second - (hi - first.hi))
-        found.error = (self - found * o).most / o.least
-        return found
+        quotient = DoubleDouble(hi, second - (hi - first.hi))
+        quotient.error = (self - quotient * o).most / o.least
+        return quotient
 
     def __rtruediv__(self, other: Any) -> DoubleDouble:
         return exact(other) / self
@@ -174,10 +174,10 @@ class DoubleDouble:
         first = np.sqrt(self.hi)
         second = (self - DoubleDouble(first) * DoubleDouble(first)).hi / (2 * first)
         hi = first + second
-        found = DoubleDouble(hi, second - (hi - first))
+        root = DoubleDouble(hi, second - (hi - first))
         sound = self.hi - ROOM * self.error >= 0
-        found.error = (self - found * found).most / np.where(sound, hi, np.nan)
-        return found
+        root.error = (self - root * root).most / np.where(sound, hi, np.nan)
+        return root
 
     @staticmethod
     def pi() -> DoubleDouble:
@@ -222,12 +222,12 @@ def _ratio(number: Fraction) -> DoubleDouble:
 def _from_balls(name: str) -> Callable[..., DoubleDouble]:
     """A function that balls have, number by number."""
 
-    def apply(*given: Any) -> DoubleDouble:
-        numbers = [exact(v) for v in given]
+    def by_balls(*arguments: Any) -> DoubleDouble:
+        numbers = [exact(v) for v in arguments]
         parts = np.broadcast_arrays(*(w for v in numbers for w in (v.hi, v.lo, v.error)))
         rows = np.array([v.ravel() for v in parts]).T
         different, place = np.unique(rows, axis=0, return_inverse=True)
-        function, found = balls().functions[name], []
+        function, values = balls().functions[name], []
         with precision(BITS):
             for row in different.tolist():
                 inputs = [
@@ -237,18 +237,18 @@ def _from_balls(name: str) -> Callable[..., DoubleDouble]:
                 value = function(*inputs)
                 hi = float(value.mid())
                 lo = float((value - hi).mid()) if math.isfinite(hi) else math.nan
-                found.append((hi, lo, upper(value - hi - lo) if math.isfinite(lo) else math.nan))
+                values.append((hi, lo, upper(value - hi - lo) if math.isfinite(lo) else math.nan))
         shape = parts[0].shape
-        return DoubleDouble(*(v[place.ravel()].reshape(shape) for v in np.array(found).T))
+        return DoubleDouble(*(v[place.ravel()].reshape(shape) for v in np.array(values).T))
 
-    return apply
+    return by_balls
 
 
 def _wave(shift: int) -> Callable[[Any], DoubleDouble]:
     """The sine (shift 0) or cosine (1): by Taylor's series after quarter turns, or by balls."""
     by_balls = _from_balls("cos" if shift else "sin")
 
-    def apply(number: Any) -> DoubleDouble:
+    def wave(number: Any) -> DoubleDouble:
         x = exact(number)
         base, times = x.multiple or (x, 1)
         if not 1 <= times <= HARMONICS or not _first_waves(base):
@@ -257,7 +257,7 @@ def _wave(shift: int) -> Callable[[Any], DoubleDouble]:
                 return by_balls(x)
         return _harmonic(base, times)[shift]
 
-    return apply
+    return wave
 
 
 def _first_waves(x: DoubleDouble) -> bool:
@@ -283,15 +283,15 @@ def _waves(y: DoubleDouble, turns: Any) -> tuple[DoubleDouble, DoubleDouble]:
     """Sine and cosine of y and some quarter turns, |y| ≤ 0.79."""
     z = y * y
     both = _taylor(z, SINE) * y, _taylor(z, COSINE)
-    found = []
+    waves = []
     for shift in (0, 1):
         odd = (turns + shift) % 2 == 1
         sign = np.where((turns + shift) % 4 >= 2, -1.0, 1.0)
         hi, lo, error = (
             np.where(odd, *(getattr(v, n) for v in reversed(both))) for n in ("hi", "lo", "error")
         )
-        found.append(DoubleDouble(sign * hi, sign * lo, error + REMAINDER))
-    return found[0], found[1]
+        waves.append(DoubleDouble(sign * hi, sign * lo, error + REMAINDER))
+    return waves[0], waves[1]
 
 
 def _taylor(z: DoubleDouble, terms: list[DoubleDouble]) -> DoubleDouble:

@@ -94,21 +94,21 @@ def eigenpairs(matrix: Floats, solver: EigenSolver | None = None) -> tuple[Compl
     """
     solver = solver or chosen()
     try:
-        found = solver(matrix) if solver is lapack else _by_rows(solver, matrix)
+        pairs = solver(matrix) if solver is lapack else _by_rows(solver, matrix)
     except np.linalg.LinAlgError:
         raise DomainError("the eigenvalues do not converge; give values nearer to 1.") from None
-    values, vectors = found
+    values, vectors = pairs
     return values.astype(complex), vectors.astype(complex)
 
 
 def _by_rows(solver: EigenSolver, matrix: Floats) -> tuple[Complexes, Complexes]:
     """Checked results of another solver for matrices stacked along one axis."""
     rows = matrix.reshape(-1, *matrix.shape[-2:])
-    found = solver(rows)
+    pairs = solver(rows)
     try:
-        values, vectors = (np.asarray(part).astype(complex) for part in found)
+        values, vectors = (np.asarray(part).astype(complex) for part in pairs)
     except (TypeError, ValueError):
-        raise ParameterError(_refusal(solver, shown(found), rows)) from None
+        raise ParameterError(_refusal(solver, shown(pairs), rows)) from None
     if (values.shape, vectors.shape) != (rows.shape[:-1], rows.shape):
         shapes = f"arrays of shapes {values.shape} and {vectors.shape}"
         raise ParameterError(_refusal(solver, shapes, rows))
@@ -135,8 +135,8 @@ def name_of(solver: EigenSolver) -> str:
     return "LAPACK" if solver is lapack else str(getattr(solver, "__name__", shown(solver)))
 
 
-def _refusal(solver: EigenSolver, found: str, matrix: Floats) -> str:
+def _refusal(solver: EigenSolver, value: str, matrix: Floats) -> str:
     return (
-        f"the eigensolver {name_of(solver)} returned {found} for matrices of shape {matrix.shape}; "
+        f"the eigensolver {name_of(solver)} returned {value} for matrices of shape {matrix.shape}; "
         "it must return finite eigenvalues (N, n) and eigenvectors as columns (N, n, n)."
     )

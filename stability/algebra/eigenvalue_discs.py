@@ -61,8 +61,8 @@ def eigenvalue_discs(matrix: Floats, error: Floats) -> Discs:
 
     Examples
     --------
-    >>> found = eigenvalue_discs(np.array([[0.0, 1.0], [-2.0, -3.0]]), np.zeros((2, 2)))
-    >>> sorted(found.values.real.round(12).tolist()), bool(found.radius.max() < 1e-15)
+    >>> discs = eigenvalue_discs(np.array([[0.0, 1.0], [-2.0, -3.0]]), np.zeros((2, 2)))
+    >>> sorted(discs.values.real.round(12).tolist()), bool(discs.radius.max() < 1e-15)
     ([-2.0, -1.0], True)
     """
     n = len(matrix)
@@ -83,10 +83,10 @@ def eigenvalue_discs(matrix: Floats, error: Floats) -> Discs:
             return nothing
         if basis is None:
             return nothing
-        found = _gershgorin(values, *near_diagonal(basis, matrix, error, values))
-        values, radius = unit * found.values, unit * found.radius + 2 * TINY
+        discs = _gershgorin(values, *near_diagonal(basis, matrix, error, values))
+        values, radius = unit * discs.values, unit * discs.radius + 2 * TINY
         fine = np.isfinite(values).all() and np.isfinite(radius).all()
-        return Discs(values, radius, found.alone) if fine else nothing
+        return Discs(values, radius, discs.alone) if fine else nothing
 
 
 def _scaled(matrix: Floats, error: Floats, size: float) -> tuple[Floats, Floats, float]:
@@ -106,14 +106,14 @@ def _scaled(matrix: Floats, error: Floats, size: float) -> tuple[Floats, Floats,
 
 
 def near_diagonal(
-    basis: Basis, matrix: Floats, error: Floats, values: Complexes
+    basis: ProvedBasis, matrix: Floats, error: Floats, values: Complexes
 ) -> tuple[Complexes, Floats]:
     """H = X⁻¹ A X - Λ, and a bound on the error of each entry."""
     defect, doubt = _defect(matrix, values, basis.vectors)
     return basis.carried(defect, doubt + MORE * (error @ np.abs(basis.vectors)))
 
 
-class Basis(NamedTuple):
+class ProvedBasis(NamedTuple):
     """Vectors that are proved to be a basis."""
 
     vectors: Complexes
@@ -139,13 +139,13 @@ class Basis(NamedTuple):
         return self.carried(matrix @ self.vectors, doubt)
 
 
-def basis_of(vectors: Complexes, inverse: Complexes) -> Basis | None:
+def basis_of(vectors: Complexes, inverse: Complexes) -> ProvedBasis | None:
     """Vectors as a basis; None where their inverse is not proved to be near."""
     n = len(vectors)
     off = np.abs(np.eye(n) - inverse @ vectors)
     off += _rounding(n) * (np.abs(inverse) @ np.abs(vectors)) + n * LOST
     flaw = MORE * off.sum(axis=1)
-    return Basis(vectors, inverse, flaw) if flaw.max() < 0.5 else None
+    return ProvedBasis(vectors, inverse, flaw) if flaw.max() < 0.5 else None
 
 
 def _rounding(n: int) -> float:
@@ -174,9 +174,9 @@ def _defect(matrix: Floats, values: Complexes, x: Complexes) -> tuple[Complexes,
     # what no product of slices has, and the sum of small terms (Ogita, Rump, Oishi 2005)
     cut = (SLICES + 2) * n * 2.0 ** (-SLICES * bits) + 4 * n * (terms * UNIT) ** 2
     bound = cut * rows[:, None] * columns + 8 * (terms * UNIT) ** 2 * largest * columns
-    found = total + small
-    bound = MORE * (bound + 2 * UNIT * np.abs(found)) + n * LOST
-    return found[:, :n] + 1j * found[:, n:], bound[:, :n] + bound[:, n:]
+    residual = total + small
+    bound = MORE * (bound + 2 * UNIT * np.abs(residual)) + n * LOST
+    return residual[:, :n] + 1j * residual[:, n:], bound[:, :n] + bound[:, n:]
 
 
 def _above(rows: Floats) -> Floats:

@@ -77,9 +77,9 @@ def times(a: Pair, b: Pair) -> Pair:
         hi = np.maximum(np.maximum(ends[0], ends[1]), np.maximum(ends[2], ends[3]))
     total = lo.sum()
     if total != total:  # zero times infinity, or no number
-        known = ~(np.isnan(a_lo) | np.isnan(b_lo))
+        valid = ~(np.isnan(a_lo) | np.isnan(b_lo))
         fixed = [
-            np.where(np.isnan(v) & known, 0.0, v)
+            np.where(np.isnan(v) & valid, 0.0, v)
             for v in (a_lo * b_lo, a_lo * b_hi, a_hi * b_lo, a_hi * b_hi)
         ]
         lo = np.minimum(np.minimum(fixed[0], fixed[1]), np.minimum(fixed[2], fixed[3]))
@@ -316,7 +316,7 @@ def _rising(
 ) -> Any:
     """A function that rises on its domain, from its inverse; the image may be larger than it is."""
 
-    def apply(x: Interval) -> Interval:
+    def rising(x: Interval) -> Interval:
         lo, hi = x.within(*domain) if np.isfinite(domain).any() else x.pair
         lo, hi = _loose(function(lo), function(hi))
         pair = np.maximum(lo, image[0]), np.minimum(hi, image[1])
@@ -327,7 +327,7 @@ def _rising(
 
         return x.made(pair, narrow)
 
-    return apply
+    return rising
 
 
 def _cosh(x: Interval) -> Interval:
@@ -343,7 +343,7 @@ def _steep(v: Any) -> Any:
     return np.where(np.abs(v) < 1.57, np.tan(v), np.copysign(np.inf, v))
 
 
-def _next(x: Any, least: Any, most: Any) -> Any:
+def _next_phase(x: Any, least: Any, most: Any) -> Any:
     """The least number from x on whose cosine has its angle between two in [0, π]."""
     turn = 2 * np.pi
     base = turn * np.floor(x / turn)
@@ -361,7 +361,7 @@ def _wave(shift: float) -> Any:
         room = 1e-15 * (1 + np.maximum(np.abs(x[0]), np.abs(x[1]))) * bool(shift)
         return x[0] - shift - room, x[1] - shift + room
 
-    def apply(x: Interval) -> Interval:
+    def wave(x: Interval) -> Interval:
         lo, hi = angles(x.pair)
         first, second = np.cos(lo), np.cos(hi)
         bent = 1e-15 * (1 + np.maximum(np.abs(lo), np.abs(hi)))
@@ -382,12 +382,15 @@ def _wave(shift: float) -> Any:
             a, b = np.clip(r.hi, -1.0, 1.0), np.clip(r.lo, -1.0, 1.0)
             least, most = np.maximum(np.arccos(a) - 1e-15, 0.0), np.arccos(b) + 1e-15
             room = 1e-14 * (1 + np.abs(shift))
-            ends = _next(lo, least, most) + shift - room, -_next(-hi, least, most) + shift + room
+            ends = (
+                _next_phase(lo, least, most) + shift - room,
+                -_next_phase(-hi, least, most) + shift + room,
+            )
             x.meet((np.where(near, ends[0], -np.inf), np.where(near, ends[1], np.inf)))
 
         return x.made(pair, narrow)
 
-    return apply
+    return wave
 
 
 def _tan(x: Interval) -> Interval:

@@ -118,10 +118,10 @@ def tested(
     def slope(box: Any) -> Any:
         return arb_mat(system((x + box).entries())[1])
 
-    found = contained(slope, shift, inverse, spread, INFLATIONS if least is None else 1)
-    if found is None:
+    enclosure = contained(slope, shift, inverse, spread, INFLATIONS if least is None else 1)
+    if enclosure is None:
         raise NotProvedError
-    image, box = found
+    image, box = enclosure
     return (x + image).entries(), (x + box).entries()
 
 
@@ -202,7 +202,7 @@ def many_proved(system: System, start: Floats) -> tuple[list[DoubleDouble], Floa
 def _read(system: System, x: list[DoubleDouble]) -> list[tuple[Floats, Floats]]:
     """Values and slopes as doubles with bounds, shapes (N, n, 1) and (N, n, n)."""
     values, slopes = system(x)
-    shape, found = np.shape(x[0].hi), []
+    shape, pairs = np.shape(x[0].hi), []
     for rows in ([[v] for v in values], slopes):
         numbers = [[exact(v) for v in row] for row in rows]
         middle, error = (
@@ -213,5 +213,5 @@ def _read(system: System, x: list[DoubleDouble]) -> list[tuple[Floats, Floats]]:
             )
             for n in ("hi", "error")
         )
-        found.append((middle, 1.01 * error + 2 * UNIT * np.abs(middle)))
-    return found
+        pairs.append((middle, 1.01 * error + 2 * UNIT * np.abs(middle)))
+    return pairs

@@ -81,12 +81,12 @@ def solve(matrix: Floats, error: Floats, right: Floats, unsure: Floats) -> tuple
     """The solution of M X = B, and a bound on its error δ = L r + (1 - L M) δ with residual r."""
     n = matrix.shape[-1]
     inverse = inverse_of(matrix)
-    found = inverse @ right
-    size, absolute = np.abs(inverse), np.abs(found)
-    residual = np.abs(matrix @ found - right) + unsure + error @ absolute
+    solution = inverse @ right
+    size, absolute = np.abs(inverse), np.abs(solution)
+    residual = np.abs(matrix @ solution - right) + unsure + error @ absolute
     residual += 2 * n * (UNIT * (np.abs(matrix) @ absolute + np.abs(right)) + TINY)
     doubt = (1 + 4 * n * UNIT) * (size @ residual) + n * TINY
-    return found, widened(doubt, contraction(inverse, matrix, error))
+    return solution, widened(doubt, contraction(inverse, matrix, error))
 
 
 # --- in any number type ---
@@ -144,8 +144,8 @@ def _in_doubles(matrix: Rows, right: Rows) -> list[list[Any]]:
     inverse = np.full_like(flat, np.nan)
     inverse[fine] = inverse_of(flat[fine])
     inverse = inverse.reshape(m.shape)
-    found = inverse @ b
-    return _split(found + inverse @ (b - m @ found))
+    solution = inverse @ b
+    return _split(solution + inverse @ (b - m @ solution))
 
 
 def _tracked(matrix: Rows, right: Rows) -> list[list[Any]]:
@@ -177,8 +177,8 @@ def _in_balls(matrix: Rows, right: Rows) -> list[list[Any]]:
     from flint import arb_mat
 
     m, b = arb_mat([list(row) for row in matrix]), arb_mat([list(row) for row in right])
-    found: list[list[Any]] = m.solve(b, nonstop=True, algorithm="precond").tolist()
-    return found
+    solution: list[list[Any]] = m.solve(b, nonstop=True, algorithm="precond").tolist()
+    return solution
 
 
 def _in_series(matrix: Rows, right: Rows) -> list[list[Any]]:
@@ -194,14 +194,14 @@ def _in_series(matrix: Rows, right: Rows) -> list[list[Any]]:
         )
 
     terms = [order(matrix, k) for k in range(ctx.cap)]
-    found: list[Any] = []
+    solution: list[Any] = []
     for k in range(ctx.cap):
         rest = order(right, k)
         for i in range(1, k + 1):
-            rest = rest - terms[i] * found[k - i]
-        found.append(terms[0].solve(rest, nonstop=True, algorithm="precond"))
-    rows, columns = found[0].nrows(), found[0].ncols()
-    return [[arb_series([x[i, j] for x in found]) for j in range(columns)] for i in range(rows)]
+            rest = rest - terms[i] * solution[k - i]
+        solution.append(terms[0].solve(rest, nonstop=True, algorithm="precond"))
+    rows, columns = solution[0].nrows(), solution[0].ncols()
+    return [[arb_series([x[i, j] for x in solution]) for j in range(columns)] for i in range(rows)]
 
 
 def _eliminated(matrix: Rows, right: Rows) -> list[list[Any]]:

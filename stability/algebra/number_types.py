@@ -269,11 +269,11 @@ def _imported() -> Any:
     others = [t for t in threading.enumerate() if t is not threading.current_thread()]
     # a thread that imports SymPy meanwhile would find the stand-in; that of a progress bar does not
     alone = all(type(t).__module__.startswith(("tqdm", "stability.cli")) for t in others)
-    found = find_spec("sympy") if alone and _known() else None
-    if found is None:
+    spec = find_spec("sympy") if alone and _known() else None
+    if spec is None:
         return import_module("heyoka")
     later = sys.modules["sympy"] = _SymPyLater("sympy")
-    later.__spec__ = found
+    later.__spec__ = spec
     try:
         library = import_module("heyoka")
     finally:

@@ -193,8 +193,8 @@ class Exact:
     Examples
     --------
     >>> import stability as st
-    >>> found = st.export.exact_polynomial("spinning", "viscous")
-    >>> found.variables, found.zeros
+    >>> polynomial = st.export.exact_polynomial("spinning", "viscous")
+    >>> polynomial.variables, polynomial.zeros
     (('k', 'M', 'z'), 1)
     """
 
@@ -349,8 +349,8 @@ class TabulatedPolynomial(ExactPolynomial, ABC):
     borders: bool = False
     """Whether the verdict can change where the sine of the angle is 1."""
 
-    def __init__(self, known: Exact) -> None:
-        self.known, self.zeros = known, known.zeros
+    def __init__(self, exact: Exact) -> None:
+        self.known, self.zeros = exact, exact.zeros
 
     @abstractmethod
     def point(self, values: Mapping[str, Any], algebra: Algebra) -> list[Any]:

@@ -273,10 +273,10 @@ class Program:
             elif code in _SYMBOLS:
                 yield target[0], _SYMBOLS[code], source
             else:
-                known = ", ".join((*UNARY, *BY_OTHERS))
+                functions = ", ".join((*UNARY, *BY_OTHERS))
                 raise StabilityError(
                     f"an expression of the system uses {_in_words(code)}, which is not read; only "
-                    f"smooth elementary functions are: + - * /, powers, fabs, {known}."
+                    f"smooth elementary functions are: + - * /, powers, fabs, {functions}."
                 )
 
     def run(self, algebra: Algebra, arguments: Sequence[Sequence[Any]]) -> list[list[Any]]:
@@ -389,8 +389,8 @@ class Program:
         """
         if shape and 0 < (count := math.prod(shape)) <= FEW and self.size >= LONG * count:
             points = zip(*(lanes(block, shape) for block in arguments), strict=True)
-            found = [self.arrays(point, ()) for point in points]
-            return [np.array(v).reshape(*shape, *v[0].shape) for v in zip(*found, strict=True)]
+            results = [self.arrays(point, ()) for point in points]
+            return [np.array(v).reshape(*shape, *v[0].shape) for v in zip(*results, strict=True)]
         with np.errstate(all="ignore"):  # callers check the results
             values = self.run(_NUMPY, arguments)
         return self._in_place(values, shape)
@@ -410,8 +410,8 @@ class Program:
         """All stored entries of the outputs as a tape; None where a function has no kernel."""
         parts = np.cumsum((0, *self.inputs))
 
-        def entries(given: list[Any], algebra: Algebra) -> list[Any]:
-            blocks = [given[a:b] for a, b in zip(parts, parts[1:], strict=False)]
+        def entries(inputs: list[Any], algebra: Algebra) -> list[Any]:
+            blocks = [inputs[a:b] for a, b in zip(parts, parts[1:], strict=False)]
             return [entry for values in self.run(algebra, blocks) for entry in values]
 
         try:
@@ -421,11 +421,11 @@ class Program:
 
     def quick(self, arguments: Sequence[Sequence[Any]], shape: tuple[int, ...]) -> list[Any]:
         """As `arrays`; a long list runs on few points by one kernel, up to a few roundings."""
-        given = [[(v, 0.0) for v in block] for block in arguments]
-        found = self.enclosed(given, shape)
-        if found is None:
+        points = [[(v, 0.0) for v in block] for block in arguments]
+        outputs = self.enclosed(points, shape)
+        if outputs is None:
             return self.arrays(arguments, shape)
-        return self._in_place(([mid for mid, _ in some] for some in found), shape)
+        return self._in_place(([mid for mid, _ in some] for some in outputs), shape)
 
     def enclosed(
         self, arguments: Sequence[Sequence[tuple[Any, Any]]], shape: tuple[int, ...]
@@ -447,10 +447,10 @@ class Program:
         """
         if self.size < LONGER or math.prod(shape) > LANES or self.tape is None:
             return None
-        given = np.zeros((2, sum(self.inputs), *shape))
+        balls = np.zeros((2, sum(self.inputs), *shape))
         for i, pair in enumerate(pair for block in arguments for pair in block):
-            given[:, i] = np.broadcast_arrays(*pair, np.empty(shape))[:2]
-        points = given.reshape(2, given.shape[1], math.prod(shape))
+            balls[:, i] = np.broadcast_arrays(*pair, np.empty(shape))[:2]
+        points = balls.reshape(2, balls.shape[1], math.prod(shape))
         mid, rad = self.tape.run(*points, plain=next(RUNS) < UNCOMPILED)
         pairs = iter(zip(mid.reshape(len(mid), *shape), rad.reshape(len(rad), *shape), strict=True))
         return [[next(pairs) for _ in some] for some in self.places]
@@ -487,8 +487,8 @@ class Program:
             return [list(rows[a:b]) for a, b in zip(parts, parts[1:], strict=False)]
 
         def interpreted(points: Floats) -> Floats:
-            found = self.arrays(split(points), points.shape[1:])
-            rows = [v.swapaxes(1, 2).reshape(len(v), -1).T for v in found]
+            outputs = self.arrays(split(points), points.shape[1:])
+            rows = [v.swapaxes(1, 2).reshape(len(v), -1).T for v in outputs]
             return np.concatenate(rows)
 
         try:

@@ -95,13 +95,13 @@ def start(a: Sequence[Array]) -> Factors:
         companion[:, i, n - 1] = -c
     # a row that overflowed has no factors: it passes on, and nothing is proved of it
     companion[~np.isfinite(companion).all(axis=(1, 2))] = 0.0
-    found = eigenvalues_alone(companion)
+    roots = eigenvalues_alone(companion)
     # sorted by whether real, then size: real roots first, conjugates next to each other
-    order = np.lexsort((found.imag, found.real, np.abs(found.imag), found.imag != 0), axis=-1)
-    found = np.take_along_axis(found, order, -1)
-    arrays = [found[:, 0].real] if n % 2 else []
+    order = np.lexsort((roots.imag, roots.real, np.abs(roots.imag), roots.imag != 0), axis=-1)
+    roots = np.take_along_axis(roots, order, -1)
+    arrays = [roots[:, 0].real] if n % 2 else []
     for i in range(n % 2, n, 2):
-        u, v = found[:, i], found[:, i + 1]
+        u, v = roots[:, i], roots[:, i + 1]
         arrays += [-(u + v).real, (u * v).real]
     return Factors.of(arrays).astype(a[0].dtype)
 
@@ -227,7 +227,7 @@ class _Pair(NamedTuple):
     """Bound on the rounding error of the roots."""
 
 
-def _pair(p: Array, q: Array, unit: float) -> _Pair:
+def _pair_of_roots(p: Array, q: Array, unit: float) -> _Pair:
     half = -0.5 * p
     square = half * half
     disc = square - q
@@ -268,7 +268,7 @@ def enclose(a: Sequence[Array], error: Sequence[Array], factors: Factors) -> Roo
         np.abs(c - m) + e + steps * unit * s
         for c, m, e, s in zip(a, product, error, size, strict=False)
     ]
-    pairs = [_pair(p, q, unit) for p, q in factors.pairs]
+    pairs = [_pair_of_roots(p, q, unit) for p, q in factors.pairs]
     spread, closest = _distances(r, pairs)
     alone = [] if r is None else [np.abs(r)]
     modulus = alone + [m + pair.slip for pair in pairs for m in pair.modulus]
@@ -318,10 +318,10 @@ def _distances(r: Array | None, pairs: list[_Pair]) -> tuple[list[Any], Any]:
             alone[0] = alone[0] * (gap * gap if len(spread) == 1 else gap)
             spread[s] = spread[s] * gap
     for i, j in combinations(range(len(pairs)), 2):
-        (one, two), (first, second) = (pairs[i], pairs[j]), (each[i], each[j])
-        near, far = (one.imag - two.imag) ** 2, (one.imag + two.imag) ** 2
+        (left, right), (first, second) = (pairs[i], pairs[j]), (each[i], each[j])
+        near, far = (left.imag - right.imag) ** 2, (left.imag + right.imag) ** 2
         if len(first) == len(second) == 1:
-            along = (one.real[0] - two.real[0]) ** 2
+            along = (left.real[0] - right.real[0]) ** 2
             gap = along + near  # never larger than along + far
             closest = np.minimum(closest, gap)
             both = gap * (along + far)
@@ -330,7 +330,7 @@ def _distances(r: Array | None, pairs: list[_Pair]) -> tuple[list[Any], Any]:
         of_first, of_second = (2 * v if len(v) == 1 else v for v in (first, second))
         for s in range(2):
             for t in range(2):
-                gap = (one.real[s] - two.real[t]) ** 2 + (near if s == t else far)
+                gap = (left.real[s] - right.real[t]) ** 2 + (near if s == t else far)
                 closest = np.minimum(closest, gap)
                 of_first[s] = of_first[s] * gap
                 of_second[t] = of_second[t] * gap
@@ -343,8 +343,8 @@ def _times(poly: list[Any], p: Any, q: Any) -> list[Any]:
     n = len(poly)
     out: list[Any] = [0.0] * (n + 2)
     for i, c in enumerate(poly):
-        one = i == n - 1
-        out[i] = out[i] + (q if one else c * q)
-        out[i + 1] = out[i + 1] + (p if one else c * p)
+        leading = i == n - 1
+        out[i] = out[i] + (q if leading else c * q)
+        out[i + 1] = out[i + 1] + (p if leading else c * p)
         out[i + 2] = out[i + 2] + c
     return out

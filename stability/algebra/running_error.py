@@ -24,7 +24,7 @@ TINY = 2.0**-1074
 """Least double: largest loss of a product or quotient that underflows."""
 
 
-def _pair(number: Any) -> tuple[Any, Any]:
+def _value_and_bound(number: Any) -> tuple[Any, Any]:
     """Value and bound; a plain number is exact."""
     return (number.value, number.error) if isinstance(number, RunningError) else (number, 0.0)
 
@@ -58,14 +58,14 @@ class RunningError:
         self.value, self.error = value, error
 
     def __add__(self, other: Any) -> RunningError:
-        value, error = _pair(other)
+        value, error = _value_and_bound(other)
         total = self.value + value
         return RunningError(total, self.error + error + UNIT * abs(total))
 
     __radd__ = __add__
 
     def __sub__(self, other: Any) -> RunningError:
-        value, error = _pair(other)
+        value, error = _value_and_bound(other)
         total = self.value - value
         return RunningError(total, self.error + error + UNIT * abs(total))
 
@@ -101,7 +101,7 @@ class RunningError:
         return RunningError(other, 0.0) / self
 
     def __pow__(self, power: Any) -> RunningError:
-        exponent, unsure = _pair(tracked(power))
+        exponent, unsure = _value_and_bound(tracked(power))
         total = self.value**exponent
         size = np.abs(self.value)
         low, high = size - self.error, size + self.error
@@ -145,14 +145,14 @@ class Constant(float):
 def _elementary(function: Any, change: Any) -> Any:
     """A function with its largest change within an error: change(x, error, |value|)."""
 
-    def apply(x: Any) -> Any:
+    def elementary(x: Any) -> Any:
         x = tracked(x)
         total = function(x.value)
         size = np.abs(total)
-        own = 2 * UNIT * size + TINY * (size > 0)  # only exp rounds a nonzero value to zero
-        return RunningError(total, change(x.value, x.error, size) + own)
+        rounding = 2 * UNIT * size + TINY * (size > 0)  # only exp rounds a nonzero value to zero
+        return RunningError(total, change(x.value, x.error, size) + rounding)
 
-    return apply
+    return elementary
 
 
 def _low(x: Any, e: Any) -> Any:
@@ -164,7 +164,7 @@ def _room(value: Any) -> Any:
     return np.where(value > 0, value, 0.0)
 
 
-def _arc(x: Any, e: Any, _: Any) -> Any:
+def _arcsine_change(x: Any, e: Any, _: Any) -> Any:
     return e / np.sqrt(_room(1 - (np.abs(x) + e) ** 2))
 
 
@@ -194,8 +194,8 @@ TRACKED = Algebra(
         "sqrt": _elementary(np.sqrt, lambda x, e, y: e / (y + np.sqrt(np.maximum(x - e, 0.0)))),
         "exp": _elementary(np.exp, lambda _, e, y: TINY + np.maximum(y, TINY) * np.expm1(e)),
         "log": _elementary(np.log, lambda x, e, _: -np.log1p(-np.minimum(e / x, 1.0))),
-        "asin": _elementary(np.arcsin, _arc),
-        "acos": _elementary(np.arccos, _arc),
+        "asin": _elementary(np.arcsin, _arcsine_change),
+        "acos": _elementary(np.arccos, _arcsine_change),
         "atan": _elementary(np.arctan, lambda x, e, _: e / (1 + _low(x, e) ** 2)),
         "sinh": _elementary(np.sinh, lambda x, e, _: np.cosh(np.abs(x) + e) * e),
         "cosh": _elementary(np.cosh, lambda x, e, _: np.sinh(np.abs(x) + e) * e),
@@ -237,11 +237,13 @@ def running_error_arrays(
     """
     if program.constant is not None:
         return [_repeated(program.constant, shape)]
-    pairs = [[_pair(v) for v in some] for some in arguments]
+    pairs = [[_value_and_bound(v) for v in some] for some in arguments]
     kernel = program.enclosed(pairs, shape)
     with np.errstate(all="ignore"):
         values = program.run(TRACKED, arguments) if kernel is None else kernel
-    results = _tables(program, values, shape, lambda v: v if isinstance(v, tuple) else _pair(v))
+    results = _tables(
+        program, values, shape, lambda v: v if isinstance(v, tuple) else _value_and_bound(v)
+    )
     for _, error in results:
         error *= 1.01
         error[np.isnan(error)] = np.inf  # 0/0, or the root of a number that may be negative
@@ -377,13 +379,13 @@ def _room_of(x: Any) -> Any:
 def _wave(function: Any) -> Any:
     """Sine or cosine: with four roundings of its own; an inexact argument adds its whole error."""
 
-    def apply(x: Any) -> Sized:
+    def wave(x: Any) -> Sized:
         x = x if isinstance(x, Sized) else Sized(x, ca.fabs(x), 0)
         value = function(x.value)
         size = ca.fabs(value)
         return Sized(value, size + x.size if x.count else size, x.count + 4)
 
-    return apply
+    return wave
 
 
 def _root(x: Any) -> Sized:
@@ -436,16 +438,16 @@ def bounded(function: ca.Function, constants: Sequence[float] | None = None) -> 
     program = Program(function)
     entries = [[Sized(v, ca.fabs(v), 0) for v in ca.vertsplit(some)] for some in inputs]
     values, errors = [], []
-    for found, places, shape in zip(
+    for outputs, places, shape in zip(
         program.run(SIZED, entries), program.places, program.shapes, strict=True
     ):
         value, error = ca.SX.zeros(*shape), ca.SX.zeros(*shape)
-        for place, one in zip(places, found, strict=True):
-            if isinstance(one, Sized):
-                value[place] = one.value
-                error[place] = 1.01 * one.count * UNIT * one.size + LEAST_SIZE
+        for place, entry in zip(places, outputs, strict=True):
+            if isinstance(entry, Sized):
+                value[place] = entry.value
+                error[place] = 1.01 * entry.count * UNIT * entry.size + LEAST_SIZE
             else:
-                value[place] = one
+                value[place] = entry
         values.append(ca.densify(value))
         errors.append(ca.densify(error))
     return Program(ca.Function("bounded", inputs, [*values, *errors]), constants)

@@ -44,16 +44,16 @@ class Record:
     """Language of the lines."""
     lines: list[str] = field(default_factory=list)
     """Lines so far."""
-    known: dict[str, Line] = field(default_factory=dict)
+    lines_by_text: dict[str, Line] = field(default_factory=dict)
     """Result by its text, so that an operation is written once."""
 
     def line(self, text: str) -> Line:
         """The name of what a text computes."""
-        if text not in self.known:
+        if text not in self.lines_by_text:
             name = f"t{len(self.lines)}"
             self.lines.append(self.language.line.format(name=name, text=text))
-            self.known[text] = Line(self, name)
-        return self.known[text]
+            self.lines_by_text[text] = Line(self, name)
+        return self.lines_by_text[text]
 
     def text(self, value: Any) -> str:
         """A number or line as text."""
@@ -69,10 +69,10 @@ class Record:
         """The number type of these lines."""
 
         def call(name: str, value: Any) -> Any:
-            own = dict(self.language.renamed).get(name, name)
+            spelling = dict(self.language.renamed).get(name, name)
             if not isinstance(value, Line) and hasattr(math, name):
                 return getattr(math, name)(value)
-            return self.line(self.language.function.format(name=own, value=self.text(value)))
+            return self.line(self.language.function.format(name=spelling, value=self.text(value)))
 
         names = [n for n in (*UNARY, *MORE, "fabs") if n not in self.language.lacking]
         table: dict[str, Callable[..., Any]] = {n: partial(call, n) for n in names}
@@ -83,10 +83,10 @@ class Record:
 
     def _power(self, base: Any, exponent: Any) -> Any:
         if not isinstance(exponent, Line) and float(exponent) == int(exponent) and exponent >= 0:
-            found: Any = 1.0
+            product: Any = 1.0
             for _ in range(int(exponent)):
-                found = base * found
-            return found
+                product = base * product
+            return product
         return self.line(self.language.power.format(a=self.text(base), b=self.text(exponent)))
 
 

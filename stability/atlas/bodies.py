@@ -76,7 +76,7 @@ class Shown:
     """Name in captions."""
     make: Callable[[], Body]
     """The body of the diagrams at one shape."""
-    own: str
+    swept: str
     """The number of the body on the upper axis of the other diagrams."""
     range: tuple[float, float]
     """Its interval."""
@@ -161,7 +161,7 @@ class Diagram:
 
 def kinds(shown: Shown, name: str) -> tuple[str, ...]:
     """The diagrams of a family of a body, by the last word of a `Key`."""
-    return ("plane",) if name in PLANES else ("mu", shown.own, *LAWS)
+    return ("plane",) if name in PLANES else ("mu", shown.swept, *LAWS)
 
 
 def names(shown: Shown) -> list[str]:
@@ -214,7 +214,7 @@ def _up(shown: Shown, kind: str, rows: int) -> tuple[Any, ...]:
     """The vertical axis."""
     if kind == "plane":
         return "phi_dot", *TURNS, rows
-    return ("mu", *FRICTION, rows, "log") if kind == "mu" else (shown.own, *shown.range, rows)
+    return ("mu", *FRICTION, rows, "log") if kind == "mu" else (shown.swept, *shown.range, rows)
 
 
 def draw(key: str, name: str, kind: str, folder: str, resolution: int) -> Diagram:
@@ -225,9 +225,9 @@ def draw(key: str, name: str, kind: str, folder: str, resolution: int) -> Diagra
     law = PLANES.get(name, kind if kind in LAWS else "viscous")
     contact: Contact | str = LAWS.get(law, "viscous" if kind == "mu" else Viscous(MU))
     x, y = _across(shown, name, resolution), _up(shown, kind, 3 * resolution // 4)
-    given = {} if pole is None else {"pole": pole}
+    where = {} if pole is None else {"pole": pole}
     dataset = stability_map(
-        family, x=x, y=y, body=shown.make(), contact=contact, workers=1, **given
+        family, x=x, y=y, body=shown.make(), contact=contact, workers=1, **where
     )
     target, stem = Path(folder), f"{name}-{key}" if kind == "plane" else f"{name}-{key}-{kind}"
     write_map(dataset, target / f"{stem}.nc", overwrite=True)
@@ -246,7 +246,7 @@ def draw(key: str, name: str, kind: str, folder: str, resolution: int) -> Diagra
     caption = _diagram_caption(
         spoken(family), shown.name, said, dataset, [], [], colour_scale(dataset), ON[law]
     )
-    over = {"mu": "friction", "plane": "inclination and precession rate"}.get(kind, shown.own)
+    over = {"mu": "friction", "plane": "inclination and precession rate"}.get(kind, shown.swept)
     what = f"Stability diagram of {spoken(family)} of the {shown.name} {ON[law]}, over {over}"
     return Diagram(Picture(stem, *caption, what), True)
 
@@ -261,8 +261,8 @@ def _save(dataset: Any, title: str, target: Path) -> None:
 def _told(shown: Shown, kind: str) -> str:
     """The numbers of a body that no axis shows."""
     body = shown.make()
-    own = body.constants or {n: v for n, v in body.shape.items() if kind in ("mu", "plane")}
-    return ", ".join(f"{n} = {v:g}" for n, v in own.items())
+    numbers = body.constants or {n: v for n, v in body.shape.items() if kind in ("mu", "plane")}
+    return ", ".join(f"{n} = {v:g}" for n, v in numbers.items())
 
 
 def _neutral(
@@ -288,14 +288,14 @@ def _neutral(
 
 def pages(
     bodies: Mapping[str, Shown],
-    found: Mapping[Key, Diagram],
+    diagrams: Mapping[Key, Diagram],
     absent: Mapping[tuple[str, str], str],
     resolution: int,
 ) -> dict[str, str]:
     """The text of every page by its file name; a sentence for each family that is absent."""
     foot = _foot(f"stability atlas --bodies --resolution {resolution}")
-    texts = {"index.html": _index(bodies, found)}
-    texts |= {f"{key}.html": _page(key, bodies, found, absent) for key in bodies}
+    texts = {"index.html": _index(bodies, diagrams)}
+    texts |= {f"{key}.html": _page(key, bodies, diagrams, absent) for key in bodies}
     return {name: "\n".join([*lines, foot]) + "\n" for name, lines in texts.items()}
 
 
@@ -308,11 +308,11 @@ def _links(bodies: Mapping[str, Shown], here: str = "") -> str:
     return f"<nav>{index}{''.join(others)}</nav>"
 
 
-def _index(bodies: Mapping[str, Shown], found: Mapping[Key, Diagram]) -> list[str]:
+def _index(bodies: Mapping[str, Shown], diagrams: Mapping[Key, Diagram]) -> list[str]:
     """The page with one picture of each body."""
     lines = [*_head(TITLE), f'<p class="lead">{ABOUT}</p>', _links(bodies), '<div class="row">']
     for key, shown in bodies.items():
-        mine = [d for (body, _, _), d in found.items() if body == key]
+        mine = [d for (body, _, _), d in diagrams.items() if body == key]
         drawn = [d.picture for d in mine if d.figure]
         count = f"{len(drawn)} diagrams" if len(drawn) != 1 else "1 diagram"
         picture = (
@@ -332,7 +332,7 @@ def _index(bodies: Mapping[str, Shown], found: Mapping[Key, Diagram]) -> list[st
 def _page(
     key: str,
     bodies: Mapping[str, Shown],
-    found: Mapping[Key, Diagram],
+    diagrams: Mapping[Key, Diagram],
     absent: Mapping[tuple[str, str], str],
 ) -> list[str]:
     """The page of one body."""
@@ -355,7 +355,7 @@ def _page(
         alike = " Both ends are alike." * (name in POLES and not shown.ends)
         motion = FAMILIES[family].motion
         lines.append(f"<p>{motion[0].upper()}{motion[1:]}.{alike}</p>")
-        mine = [found[key, name, kind] for kind in kinds(shown, name)]
+        mine = [diagrams[key, name, kind] for kind in kinds(shown, name)]
         drawn = [_figure(d.picture, True) for d in mine if d.figure]
         lines += ['<div class="row pairs">', *drawn, "</div>"] if drawn else []
         lines += [sentence(d.picture) for d in mine if not d.figure]
@@ -400,7 +400,7 @@ def atlas_of_bodies(
     keep = _figures(target, resolution)
     counted = Counted(progress, len(jobs))
     with resumable(keep.folder, counted, said="figures are kept in"):
-        found = figures(
+        diagrams = figures(
             jobs,
             lambda job: partial(draw, *job, str(keep.folder), resolution),
             counted,
@@ -408,7 +408,7 @@ def atlas_of_bodies(
             executor,
             keep,
         )
-    for name, text in pages(BODIES, found, absent, resolution).items():
+    for name, text in pages(BODIES, diagrams, absent, resolution).items():
         (keep.folder / name).write_text(text, encoding="utf-8")
     keep.path.unlink()
     move(keep.folder, target)

@@ -144,17 +144,17 @@ def atlas(
         longest = sorted(pairs, key=lambda pair: not FAMILIES[pair[1]].by_angle)
         jobs += [(*pair, None) for pair in longest]
         counted = Counted(progress, len(jobs))
-        found = figures(
+        made = figures(
             jobs,
             lambda job: partial(_job, job, str(folder), resolution, draft),
             counted,
             workers,
             executor,
         )
-        pages = [_page(*pair, found, frictions) for pair in pairs]
+        pages = [_page(*pair, made, frictions) for pair in pairs]
         text = csv_text(COLUMNS, [row for page in pages for row in page.rows])
         (folder / "boundaries.csv").write_text(text, "utf-8")
-        ends = () if draft else found[None][0]
+        ends = () if draft else made[None][0]
         (folder / "index.html").write_text(_html(pages, ends, resolution, draft), encoding="utf-8")
         move(folder, target)
     return target / "index.html"
@@ -176,7 +176,7 @@ def figures(
             task,
             executor=executor,
             workers=min(workers or os.cpu_count() or 1, len(jobs)),
-            own=here if workers == 1 else processes,
+            start_pool=here if workers == 1 else processes,
             keep=keep,
             progress=counted,
         )
@@ -242,10 +242,10 @@ def _job(job: _Key, folder: str, resolution: int, draft: bool) -> _Drawn:
 
 
 def _page(
-    body: str, family: str, found: Mapping[_Key, _Drawn], frictions: tuple[float, ...]
+    body: str, family: str, drawn: Mapping[_Key, _Drawn], frictions: tuple[float, ...]
 ) -> Page:
     """The figures of a body's family, the diagram first."""
-    drawings = [found[body, family, mu] for mu in (None, *frictions)]
+    drawings = [drawn[body, family, mu] for mu in (None, *frictions)]
     return Page(body, family, tuple(p for (p,), _ in drawings), drawings[0][1])
 
 
@@ -275,9 +275,9 @@ def _diagram(
     for law in (Rough(), Smooth()):
         points = boundaries(family, axis=("at", low, high, 301), disk=disk, contact=law)
         at = np.linspace(low, high, 2 * resolution)
-        found = spectrum(family, at=at, disk=disk, contact=law)
+        spectra = spectrum(family, at=at, disk=disk, contact=law)
         changes = tuple(p.value for p in points)
-        strips.append(Strip(law.name, at, found.abscissa, changes, found.codes))
+        strips.append(Strip(law.name, at, spectra.abscissa, changes, spectra.codes))
         start = (body, disk.k, family, law.name)
         rows += [
             (
@@ -358,10 +358,10 @@ def zeros_of_rates(spectra: Any) -> list[float]:
     _, at = swept(spectra)
     fixed = {n: float(v) for n, v in spectra.values.items() if np.size(v) == 1}
     line = AxisScan(disk_problem(spectra.family.name, Disk(), spectra.law), "at", fixed)
-    found = []
+    roots = []
     for low, high, _ in changes_of_sign(at, values.real, radius):
-        found += zeros(line, low, high)
-    return crossings(at, values.real, radius, found)
+        roots += zeros(line, low, high)
+    return crossings(at, values.real, radius, roots)
 
 
 def _curve_rows(start: tuple[Any, ...], quantity: str, dataset: Any) -> list[tuple[Any, ...]]:
@@ -407,14 +407,14 @@ def _basin_diagrams(folder: Path, resolution: int) -> tuple[Picture, ...]:
     """
     from ..figures.canvas import FORMATS, save
 
-    found = []
+    pictures = []
     for family in LAUNCHED:
         for body in BODIES:
             figure, picture = _basin_diagram(folder, body, family, resolution)
             if figure is not None:
                 save(figure, folder / picture.stem, FORMATS[:1])
-            found.append(picture)
-    return tuple(found)
+            pictures.append(picture)
+    return tuple(pictures)
 
 
 def _basin_diagram(folder: Path, body: str, family: str, resolution: int) -> tuple[Any, Picture]:

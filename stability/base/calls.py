@@ -36,9 +36,9 @@ def guarded(value: Any, name: str) -> Any:
         return value
     if not callable(value):
         return value
-    found = guard(value, name, 0)
-    found.__module__ = PACKAGE  # by which it is pickled
-    return found
+    wrapped = guard(value, name, 0)
+    wrapped.__module__ = PACKAGE  # by which it is pickled
+    return wrapped
 
 
 def _guard_class(cls: type) -> None:
@@ -79,15 +79,17 @@ def guard(function: Any, name: str, first: int) -> Any:
     """
 
     @wraps(function)
-    def call(*given: Any, **named: Any) -> Any:
+    def call(*arguments: Any, **named: Any) -> Any:
         try:
-            return function(*given, **named)
+            return function(*arguments, **named)
         except StabilityError:
             raise
         except Exception as error:  # a value that does not fit may cause any
-            called = _called(function, name, given[:first])
-            fault = isinstance(error, TypeError) and _unfit(function, called, given, named, first)
-            why = fault or misfit(function, given, named, first)
+            called = _called(function, name, arguments[:first])
+            fault = isinstance(error, TypeError) and _unfit(
+                function, called, arguments, named, first
+            )
+            why = fault or misfit(function, arguments, named, first)
             if not why:
                 raise
             raise ParameterError(why) from (None if fault else error)
@@ -105,25 +107,25 @@ def _called(function: Any, name: str, owner: Any) -> str:
     return name
 
 
-def _unfit(function: Any, name: str, given: Any, named: Mapping[str, Any], first: int) -> str:
+def _unfit(function: Any, name: str, arguments: Any, named: Mapping[str, Any], first: int) -> str:
     """Why the words of a call do not fit; empty where they do."""
     from inspect import Parameter, signature  # slow to import, and seldom needed
 
-    own, either = signature(function), Parameter.POSITIONAL_OR_KEYWORD
-    kinds = {n: p.kind for n, p in own.parameters.items()}
+    expected, either = signature(function), Parameter.POSITIONAL_OR_KEYWORD
+    kinds = {n: p.kind for n, p in expected.parameters.items()}
     free = Parameter.VAR_KEYWORD in kinds.values()
     words = [n for n, k in kinds.items() if k in (either, Parameter.KEYWORD_ONLY)][first:]
     bare = [n for n, k in kinds.items() if k in (either, Parameter.POSITIONAL_ONLY)]
     shown_words = f"it takes {', '.join(words)}" if words else "it takes no argument"
     for word in named:
-        if word in bare[: len(given)]:
+        if word in bare[: len(arguments)]:
             return f"{name} has {word} twice, once without its name; give it once."
         if word not in words and not free:
             near = meant(word, words)
             said = f"; do you mean {near}" if near else ""
             return f"{name} has no argument {shown(word)}{said}; {shown_words}."
-    if len(given) > len(bare) and Parameter.VAR_POSITIONAL not in kinds.values():
-        taken, most = len(given) - first, len(bare) - first
+    if len(arguments) > len(bare) and Parameter.VAR_POSITIONAL not in kinds.values():
+        taken, most = len(arguments) - first, len(bare) - first
         others = [n for n in words if n not in bare]
         which = f"without names it takes {', '.join(bare[first:])}" if most else ""
         rest = f"name the others: {', '.join(others)}" if others else ""
@@ -133,23 +135,23 @@ def _unfit(function: Any, name: str, given: Any, named: Mapping[str, Any], first
         ).removesuffix("; ") + "."
     lacking = [
         n
-        for n, p in own.parameters.items()
+        for n, p in expected.parameters.items()
         if p.default is Parameter.empty
         and n not in named
-        and n not in bare[: len(given)]
+        and n not in bare[: len(arguments)]
         and p.kind in (either, Parameter.KEYWORD_ONLY, Parameter.POSITIONAL_ONLY)
     ]
     return f"{absent(lacking)} in a call of {name}; {shown_words}." if lacking else ""
 
 
-def misfit(function: Any, given: Any, named: Mapping[str, Any], first: int) -> str:
+def misfit(function: Any, arguments: Any, named: Mapping[str, Any], first: int) -> str:
     """The first argument of a call whose type is another than its annotation says, in a sentence.
 
     Parameters
     ----------
     function
         A function with annotations.
-    given, named
+    arguments, named
         Arguments of a call that fits its signature.
     first
         Number of its first arguments that are the object or the class.
@@ -161,19 +163,19 @@ def misfit(function: Any, given: Any, named: Mapping[str, Any], first: int) -> s
     """
     from inspect import Parameter, signature, unwrap
 
-    own = signature(function)
+    expected = signature(function)
     try:
-        bound = own.bind(*given, **named).arguments
+        bound = expected.bind(*arguments, **named).arguments
     except TypeError:
         return ""
     space = {**getattr(unwrap(function), "__globals__", {})}
     for name, value in list(bound.items())[first:]:
-        one = own.parameters[name]
-        accepted = _type(one.annotation, space)
+        parameter = expected.parameters[name]
+        accepted = _type(parameter.annotation, space)
         pairs = [(name, value)]
-        if one.kind is Parameter.VAR_KEYWORD:
+        if parameter.kind is Parameter.VAR_KEYWORD:
             pairs = list(value.items())
-        elif one.kind is Parameter.VAR_POSITIONAL:
+        elif parameter.kind is Parameter.VAR_POSITIONAL:
             pairs = [(name, entry) for entry in value]
         for word, entry in pairs:
             if not fits(entry, accepted):
@@ -205,11 +207,11 @@ def fits(value: Any, accepted: Any) -> bool:
     if _of_numbers(accepted):
         return _numeric(value)
     if origin in (Union, types.UnionType):
-        return any(fits(value, one) for one in inner)
+        return any(fits(value, choice) for choice in inner)
     if accepted is None or accepted is type(None):
         return value is None
     if origin is Literal:
-        return any(type(value) is type(one) and value == one for one in inner)
+        return any(type(value) is type(choice) and value == choice for choice in inner)
     if origin is type:
         return isinstance(value, type)
     if accepted in (float, int, complex):
@@ -245,8 +247,8 @@ def _numeric(value: Any, most: int | None = None) -> bool:
     if value is None or isinstance(value, (str, bytes, Mapping, *_NO_NUMBERS)):
         return False
     try:
-        found = np.asarray(value)
-        return found.dtype.kind in "iufO" and (most is None or found.ndim <= most)
+        array = np.asarray(value)
+        return array.dtype.kind in "iufO" and (most is None or array.ndim <= most)
     except Exception:  # the value's own conversion may raise anything
         return False
 
@@ -277,10 +279,10 @@ def words(accepted: Any) -> str:
     if _of_numbers(accepted):
         return "numbers"
     if origin in (Union, types.UnionType):
-        found = [words(one) for one in inner if one not in (None, type(None))]
-        return listed(list(dict.fromkeys(found)), "or")
+        choices = [words(choice) for choice in inner if choice not in (None, type(None))]
+        return listed(list(dict.fromkeys(choices)), "or")
     if origin is Literal:
-        return listed([repr(one) for one in inner], "or")
+        return listed([repr(choice) for choice in inner], "or")
     kind = origin or accepted
     if kind in _WORDS:
         return _WORDS[kind]

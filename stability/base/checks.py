@@ -53,24 +53,24 @@ def real_numbers(name: str, value: Any) -> NDArray[np.float64]:
     try:
         if value is None or isinstance(value, (str, bytes)):
             raise TypeError
-        given = np.asarray(value)
-        if given.dtype.kind not in "iufO":
+        array = np.asarray(value)
+        if array.dtype.kind not in "iufO":
             raise TypeError  # truth values, complex numbers, text, dates, records
         if hasattr(value, "mask") and np.ma.is_masked(value):  # the module is slow to import
             raise ParameterError(f"{name} has masked entries; give numbers only.")
-        if given.dtype.kind == "O" and any(
-            entry is None or isinstance(entry, (str, bytes, bool, complex)) for entry in given.flat
+        if array.dtype.kind == "O" and any(
+            entry is None or isinstance(entry, (str, bytes, bool, complex)) for entry in array.flat
         ):
             raise TypeError
         with np.errstate(all="ignore"):  # an overflow is infinite; callers refuse it
-            found = np.asarray(given, dtype=float)
+            doubles = np.asarray(array, dtype=float)
     except ParameterError:
         raise
     except Exception:  # the value's own conversion may raise anything
         raise ParameterError(f"{name} is {shown(value)}; a real number is needed.") from None
-    if given.dtype.kind == "O":
-        warn_rounded(name, given.flat)
-    return found
+    if array.dtype.kind == "O":
+        warn_rounded(name, array.flat)
+    return doubles
 
 
 def positive(
@@ -208,7 +208,7 @@ def known(name: str, value: Any, names: Collection[str]) -> str:
     return str(value)
 
 
-def chosen(name: str, given: str | Sequence[str], names: Mapping[str, str]) -> list[str]:
+def chosen(name: str, choice: str | Sequence[str], names: Mapping[str, str]) -> list[str]:
     """Some of several names, or a refusal that lists them.
 
     `names` holds the heading of each name, or an empty text.  What is no name chooses every name in
@@ -219,21 +219,21 @@ def chosen(name: str, given: str | Sequence[str], names: Mapping[str, str]) -> l
     >>> chosen("method", "ad, MP", {"ad": "", "radau": "", "mpmath-30": ""})
     ['ad', 'mpmath-30']
     """
-    words = given.split(",") if isinstance(given, str) and given not in names else given
+    words = choice.split(",") if isinstance(choice, str) and choice not in names else choice
     words = [words] if isinstance(words, str) else words
     if not isinstance(words, Sequence) or not words:
-        raise ParameterError(f"{name} is {shown(given)}; give a list of names.")
-    found: set[str] = set()
+        raise ParameterError(f"{name} is {shown(choice)}; give a list of names.")
+    selected: set[str] = set()
     for word in words:
         part = word.strip().lower() if isinstance(word, str) else ""
         begins = re.compile(rf"(?<!\w){re.escape(part)}", re.IGNORECASE)
         parts = [n for n, head in names.items() if part and begins.search(f"{n} {head}")]
         exact = [n for n in names if part == n.lower()]
         if not parts:
-            known = ", ".join(dict.fromkeys(head or n for n, head in names.items()))
-            raise NameUnknownError(f"{name} is {shown(word)}; known are {known}.")
-        found |= set(exact or parts)
-    return [n for n in names if n in found]
+            every = ", ".join(dict.fromkeys(head or n for n, head in names.items()))
+            raise NameUnknownError(f"{name} is {shown(word)}; known are {every}.")
+        selected |= set(exact or parts)
+    return [n for n in names if n in selected]
 
 
 def instance(name: str, value: Any, kind: type[Kind], remedy: str) -> Kind:

@@ -19,7 +19,7 @@ from .version import __version__
 
 
 @dataclass(frozen=True)
-class Work:
+class CitedWork:
     """A paper, book, or program, as an entry of BibTeX.
 
     Examples
@@ -99,9 +99,9 @@ def _latex(text: str) -> str:
     return text.replace("&", r"\&").replace("ø", r"{\o}")
 
 
-def _read() -> dict[str, Work]:
+def _read() -> dict[str, CitedWork]:
     text = files(__package__).joinpath("works.json").read_text(encoding="utf-8")
-    works = {one["key"]: Work(**one) for one in json.loads(text)}
+    works = {entry["key"]: CitedWork(**entry) for entry in json.loads(text)}
     works["stability"] = replace(works["stability"], place=f"version {__version__}")
     return works
 
@@ -176,10 +176,10 @@ def cited(
     keys += ["lapack"] * eigenvalues
     keys += ["arb"] * proofs
     keys += methods
-    found = ", ".join(dict.fromkeys(keys))
+    joined_keys = ", ".join(dict.fromkeys(keys))
     if (into := _INTO.get()) is not None:
-        into.append(found)
-    return found
+        into.append(joined_keys)
+    return joined_keys
 
 
 def joined(every: Iterable[str]) -> str:
@@ -207,14 +207,14 @@ def gathered() -> Iterator[list[str]]:
     >>> every
     ['stability, casadi, heyoka']
     """
-    before, found = _INTO.get(), list[str]()
-    place = _INTO.set(found)
+    before, collected = _INTO.get(), list[str]()
+    place = _INTO.set(collected)
     try:
-        yield found
+        yield collected
     finally:
         _INTO.reset(place)
         if before is not None:
-            before += found
+            before += collected
 
 
 ATTRIBUTE = "citation"
@@ -230,12 +230,12 @@ class Citation(Record):
     Examples
     --------
     >>> import stability as st
-    >>> found = st.citation(st.spectrum("rolling", at=1.8, contact=st.Viscous(0.3)))
-    >>> [work.key for work in found.works]
+    >>> works = st.citation(st.spectrum("rolling", at=1.8, contact=st.Viscous(0.3)))
+    >>> [work.key for work in works.works]
     ['stability', 'przybylska2016', 'casadi', 'lapack']
     """
 
-    works: tuple[Work, ...]
+    works: tuple[CitedWork, ...]
     """The works, this package first, in the version that made the result."""
     made: str = ""
     """Of a figure, film or page in a file: the call that made it, in a sentence."""
@@ -296,8 +296,8 @@ def citation(result: Any = None) -> Citation:
             f"{shown(type(result).__name__)} says nothing of what to cite; give a result of this "
             "package, such as a spectrum, a map, a motion or an answer."
         )
-    told = getattr(result, "attrs", {})
-    software = told.get("software") or told.get("stability_version") or __version__
+    attrs = getattr(result, "attrs", {})
+    software = attrs.get("software") or attrs.get("stability_version") or __version__
     return citation_of_keys(keys, str(software).rpartition(" ")[2])
 
 
@@ -305,7 +305,7 @@ def keys_of(result: Any) -> str:
     """Keys of the works of a result, or of each in a list; empty where one says nothing."""
     keys = getattr(result, "attrs", {}).get(ATTRIBUTE) or getattr(result, ATTRIBUTE, "")
     if not keys and isinstance(result, (list, tuple)):
-        every = [keys_of(one) for one in result]
+        every = [keys_of(entry) for entry in result]
         return joined(every) if all(every) else ""
     return keys if isinstance(keys, str) else ""
 
@@ -319,5 +319,5 @@ def citation_of_keys(keys: str, version: str = __version__, made: str = "") -> C
                 f"the result cites {shown(name)}, which this version does not know; read it with "
                 "the version that wrote it."
             )
-    own = replace(WORKS["stability"], place=f"version {version}")
-    return Citation(tuple(own if name == own.key else WORKS[name] for name in names), made)
+    package = replace(WORKS["stability"], place=f"version {version}")
+    return Citation(tuple(package if name == package.key else WORKS[name] for name in names), made)

@@ -75,18 +75,18 @@ def ratio_of_text(name: str, text: str) -> Fraction:
     >>> ratio_of_text("g", "9.81"), ratio_of_text("ratio", "-1/3")
     (Fraction(981, 100), Fraction(-1, 3))
     """
-    plain, found = text.strip(), None
+    plain, ratio = text.strip(), None
     if len(plain) <= LONGEST and re.fullmatch(r"[+-]?\d+/\d*[1-9]\d*", plain, re.ASCII):
-        found = Fraction(plain)
+        ratio = Fraction(plain)
     elif len(plain) <= LONGEST and re.fullmatch(
         r"[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d{1,6})?", plain, re.ASCII | re.IGNORECASE
     ):
-        found = exact_ratio(Decimal(plain))
-    if found is None or abs(double(found)) == float("inf"):
-        endless = found is not None or plain.lower().strip("+-") in ("inf", "infinity", "nan")
+        ratio = exact_ratio(Decimal(plain))
+    if ratio is None or abs(double(ratio)) == float("inf"):
+        endless = ratio is not None or plain.lower().strip("+-") in ("inf", "infinity", "nan")
         wanted = "a finite number" if endless else "a number such as 9.81 or 3/10"
         raise ParameterError(f"{name} is {shown(text)}; {wanted} is needed.")
-    return found
+    return ratio
 
 
 def decimal_of(value: float) -> Fraction | None:

@@ -38,24 +38,24 @@ def attach(
     lines = re.findall(r"^from (\S+) import (\*|[A-Za-z]\w*)", stub, re.M)
     rooms = [name for home, name in lines if home == "."]
     others = [import_module(home, spec.parent) for home, name in lines if name == "*"]
-    own = {n: resolve_name(h, spec.parent) for h, n in lines if n != "*" and h != "."}
+    homes = {n: resolve_name(h, spec.parent) for h, n in lines if n != "*" and h != "."}
     if public:
-        HOMES.update(own)
+        HOMES.update(homes)
 
     def find(name: str) -> Any:
         if name in rooms:
             return import_module(f".{name}", spec.parent)
-        if name in own:
-            value = getattr(import_module(own[name]), name)
+        if name in homes:
+            value = getattr(import_module(homes[name]), name)
             value = guarded(value, name) if public else value
         else:
             value = next((getattr(o, name) for o in others if name in o.__all__), None)
             if value is None:
                 raise AttributeError(f"module {module!r} has no attribute {name!r}")
-        for known, home in HOMES.items():  # classes of results, which no one asks for by name
-            if isinstance(one := getattr(sys.modules.get(home), known, None), type):
-                guarded(one, known)
+        for class_name, home in HOMES.items():  # classes of results, which no one asks for by name
+            if isinstance(loaded := getattr(sys.modules.get(home), class_name, None), type):
+                guarded(loaded, class_name)
         setattr(this, name, value)
         return value
 
-    return find, lambda: sorted([*own, *rooms]), sorted(own)
+    return find, lambda: sorted([*homes, *rooms]), sorted(homes)

@@ -84,7 +84,7 @@ def two_digits(value: float, units: Sequence[tuple[str, float]]) -> str:
     >>> two_digits(9000.0, units), two_digits(0.2, units)
     ('2.5 h', '0.2 s')
     """
-    unit, size = next((one for one in units if value >= one[1]), units[-1])
+    unit, size = next((entry for entry in units if value >= entry[1]), units[-1])
     return f"{float(f'{value / size:.2g}'):g} {unit}"
 
 

@@ -29,7 +29,7 @@ def machine() -> dict[str, str]:
     >>> machine()["stability"] == __version__
     True
     """
-    found = {
+    record = {
         "processor": _processor(),
         "cores": str(os.cpu_count() or 1),
         "memory": _memory(),
@@ -39,10 +39,10 @@ def machine() -> dict[str, str]:
     }
     for name in LIBRARIES:
         try:
-            found[name] = version(name)
+            record[name] = version(name)
         except PackageNotFoundError:
-            found[name] = "missing"
-    return found
+            record[name] = "missing"
+    return record
 
 
 @cache
@@ -56,11 +56,11 @@ def versions(names: tuple[str, ...]) -> str:
     >>> versions(("no-such-library",)) == f"python {platform.python_version()}"
     True
     """
-    found = []
+    words = []
     for name in names:
         with contextlib.suppress(PackageNotFoundError):
-            found.append(f"{name} {version(name)}")
-    return ", ".join([*found, f"python {platform.python_version()}"])
+            words.append(f"{name} {version(name)}")
+    return ", ".join([*words, f"python {platform.python_version()}"])
 
 
 def _processor() -> str:

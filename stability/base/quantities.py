@@ -245,37 +245,37 @@ def time_unit(units: Mapping[str, str]) -> str:
     """
     if units.get("time"):
         return str(units["time"])
-    found = set()
+    times = set()
     for unit in units.values():
         for word in re.findall(r"[^\W\d_]+", str(unit)):
             if word in _TIMES:
-                found.add(_TIMES[word])
+                times.add(_TIMES[word])
             elif _WITH_SECONDS.fullmatch(word):
-                found.add("s")
-    return found.pop() if len(found) == 1 else "1"
+                times.add("s")
+    return times.pop() if len(times) == 1 else "1"
 
 
-def without_dimension(known: Mapping[str, Quantity], units: Mapping[str, str]) -> bool:
+def without_dimension(quantities: Mapping[str, Quantity], units: Mapping[str, str]) -> bool:
     """Whether the numbers of a system have no unit, by choice of the units of its quantities.
 
     Parameters
     ----------
-    known
+    quantities
         Quantities by name; none of a user's system.
     units
         Unit by name.
     """
-    return any(q.kind.words and units.get(n) == "1" for n, q in known.items())
+    return any(q.kind.words and units.get(n) == "1" for n, q in quantities.items())
 
 
-def rate_unit(units: Mapping[str, str], known: Mapping[str, Quantity] | None = None) -> str:
+def rate_unit(units: Mapping[str, str], quantities: Mapping[str, Quantity] | None = None) -> str:
     """The unit of eigenvalues of a system, from the units of its quantities.
 
     Parameters
     ----------
     units
         As for `time_unit`.
-    known
+    quantities
         Quantities of a body by name; none of a user's system.
 
     Returns
@@ -288,13 +288,13 @@ def rate_unit(units: Mapping[str, str], known: Mapping[str, Quantity] | None = N
     >>> rate_unit({"v": "m/s"}), rate_unit({"time": "beat"}), rate_unit({})
     ('1/s', '1/beat', '1')
     """
-    if known:
-        return Kind.GROWTH_RATE.label(dimensionless=without_dimension(known, units))
+    if quantities:
+        return Kind.GROWTH_RATE.label(dimensionless=without_dimension(quantities, units))
     time = time_unit(units)
     return "1" if time == "1" else f"1/{time}" if time.isalnum() else f"1/({time})"
 
 
-def written(known: Mapping[str, Quantity]) -> str:
+def written(quantities: Mapping[str, Quantity]) -> str:
     """Quantities as a text for a file.
 
     Examples
@@ -303,13 +303,13 @@ def written(known: Mapping[str, Quantity]) -> str:
     >>> read(written({"mass": mass})) == {"mass": mass}
     True
     """
-    return json.dumps([asdict(q) | {"kind": q.kind.name} for q in known.values()])
+    return json.dumps([asdict(q) | {"kind": q.kind.name} for q in quantities.values()])
 
 
 def read(text: str) -> dict[str, Quantity]:
     """Quantities by name from the text of `written`."""
-    found = [dict(one) for one in json.loads(text)]
-    return {q["name"]: Quantity(**q | {"kind": Kind[q["kind"]]}) for q in found}
+    rows = [dict(row) for row in json.loads(text)]
+    return {q["name"]: Quantity(**q | {"kind": Kind[q["kind"]]}) for q in rows}
 
 
 def plain_text(name: str) -> str:

@@ -63,16 +63,16 @@ def arithmetic(remedy: str) -> Callable[[Method], Method]:
         def formula(self: Any, *values: Any, **named: Any) -> Any:
             try:
                 with np.errstate(divide="raise", invalid="raise", over="ignore"):
-                    found = fitting(self, *values, **named)
-                parts = found if isinstance(found, list) else [found]
+                    value = fitting(self, *values, **named)
+                parts = value if isinstance(value, list) else [value]
                 if any(isinstance(v, (float, np.ndarray)) and np.isnan(v).any() for v in parts):
                     raise FloatingPointError
-                return found
+                return value
             except StabilityError:
                 raise
             except Exception as error:  # the numbers' own code may raise anything
-                given = ", ".join(map(shown, (*values, *named.values())))
-                raise ParameterError(f"{given}: {type(error).__name__}; {remedy}.") from None
+                arguments = ", ".join(map(shown, (*values, *named.values())))
+                raise ParameterError(f"{arguments}: {type(error).__name__}; {remedy}.") from None
 
         return formula  # type: ignore[return-value]
 

@@ -125,8 +125,8 @@ def _work(shared_plan: Callable[[], Plan], block: Block, part: slice) -> Arrays:
     """The arrays of a part of a chunk, for any thread or process."""
     plan = shared_plan()
     launches = plan.starts(block, part)
-    found = arrays(outcomes(launches, plan.launches.settings), launches)
-    return found | (plan.points(block, part) if plan.distribution is not None else {})
+    columns = arrays(outcomes(launches, plan.launches.settings), launches)
+    return columns | (plan.points(block, part) if plan.distribution is not None else {})
 
 
 def basins(
@@ -257,9 +257,9 @@ def basins(
     Examples
     --------
     >>> import stability as st
-    >>> found = st.basins(contact="viscous", mu=0.3, family="spinning",
+    >>> outcomes = st.basins(contact="viscous", mu=0.3, family="spinning",
     ...                   x=("phi_dot", 1.0, 3.0, 3), y=("tilt", 0.1, 0.2, 2), horizon=200.0)
-    >>> found.outcome.dims, found.outcome.values.tolist()
+    >>> outcomes.outcome.dims, outcomes.outcome.values.tolist()
     (('tilt', 'phi_dot'), [[1, 1, 1], [1, 1, 1]])
     """
     plan = _plan(SimpleNamespace(**locals()))  # every argument by its name
@@ -274,19 +274,19 @@ def basins(
     return kept.dataset().assign_attrs({"lost": list(numbers)} if numbers else {})
 
 
-def planned(*given: Any, **named: Any) -> Plan:
+def planned(*arguments: Any, **named: Any) -> Plan:
     """The plan of a call of `basins`, from the same arguments and with the same errors.
 
     Parameters
     ----------
-    *given, **named
+    *arguments, **named
         As for `basins`; where and how the launches run does not matter.
 
     Returns
     -------
     Plan
     """
-    call = signature(basins).bind(*given, **named)
+    call = signature(basins).bind(*arguments, **named)
     call.apply_defaults()
     return _plan(SimpleNamespace(**call.arguments))
 
@@ -349,11 +349,11 @@ def _axes(x: Any, y: Any, more: Sequence[Any], family: str) -> tuple[Axis, ...]:
         raise ParameterError("x and y are missing; give two axes, or a distribution and count.")
     if not isinstance(more, (tuple, list)):
         raise ParameterError(f"more is {shown(more)}; give a list of further axes.")
-    found = []
+    axes = []
     for axis, which in zip([*more, y, x], [*("more",) * len(more), "y", "x"], strict=True):
-        one = Axis.of(axis, which)
-        found.append(replace(one, name=_named(one.name, family)))
-    return tuple(found)
+        parsed = Axis.of(axis, which)
+        axes.append(replace(parsed, name=_named(parsed.name, family)))
+    return tuple(axes)
 
 
 def _named(name: Any, family: Any) -> Any:
@@ -392,14 +392,14 @@ def run(
         with kept_on_stop(kept, Counted(None, plan.layout.total)):  # workers may take seconds
             pool, number = stack.enter_context(pool_of(executor, workers))
             work = partial(_work, shared(plan, pool))
-        told = progress and (lambda done, total: progress(done, total + later))
+        report = progress and (lambda done, total: progress(done, total + later))
         fill(
             kept,
             work,
             blank=partial(blank, plan.arrays),
             executor=pool,
             workers=number,
-            progress=told,
+            progress=report,
         )
         if levels:
             axes = plan.axes[1], plan.axes[0]
@@ -425,14 +425,14 @@ def store_of(plan: Plan, store: Any = None, overwrite: Overwrite = False) -> Sto
     )
     coords = coordinates(plan.launches, some, plan.axes)
     coords |= _linear_verdict(plan.launches, plan.axes)
-    told = attributes(plan.launches, some, more)
-    told["citation"] = works(some, linear=LINEAR in coords)
+    attrs = attributes(plan.launches, some, more)
+    attrs["citation"] = works(some, linear=LINEAR in coords)
     if store is None:
-        return Memory(plan.layout, plan.arrays, coords, told)
+        return Memory(plan.layout, plan.arrays, coords, attrs)
     about = question(plan.launches, some, more)
     about["axes"] = [[a.name, a.low, a.high, a.count, a.log] for a in plan.axes]
     chunks: Any = format_named(place(store), ZARR, "chunks").chunks
-    kept: Store = chunks(store, plan.layout, plan.arrays, coords, told, about, overwrite=overwrite)
+    kept: Store = chunks(store, plan.layout, plan.arrays, coords, attrs, about, overwrite=overwrite)
     return kept
 
 
@@ -444,18 +444,18 @@ def _linear_verdict(launches: Launches, axes: tuple[Axis, ...]) -> dict[str, Any
     Examples
     --------
     >>> import stability as st
-    >>> found = st.basins(contact="viscous", mu=0.3, family="spinning", horizon=1.0,
+    >>> outcomes = st.basins(contact="viscous", mu=0.3, family="spinning", horizon=1.0,
     ...                   x=("at", 1.0, 3.0, 2), y=("tilt", 0.1, 0.2, 2))
-    >>> found.linear_verdict.dims, found.linear_verdict.values.tolist()
+    >>> outcomes.linear_verdict.dims, outcomes.linear_verdict.values.tolist()
     (('phi_dot',), [2, 1])
-    >>> found.linear_verdict.attrs["changes"], found.linear_verdict.attrs["zones"]
+    >>> outcomes.linear_verdict.attrs["changes"], outcomes.linear_verdict.attrs["zones"]
     ([2.0], [2, 1])
     """
     near = launches.steady(axes)
     if near is None:
         return {}
     try:
-        found = spectrum(near.family, at=near.axis.values, certify=True, **near.call)
+        spectra = spectrum(near.family, at=near.axis.values, certify=True, **near.call)
         changes, zones = _zones(near)
     except StabilityError:  # dry friction is not smooth at a member
         return {}
@@ -466,7 +466,7 @@ def _linear_verdict(launches: Launches, axes: tuple[Axis, ...]) -> dict[str, Any
     }
     if zones:
         attributes |= {"changes": changes, "zones": zones}
-    return {LINEAR: (near.axis.name, np.asarray(found.codes, dtype=np.int8), attributes)}
+    return {LINEAR: (near.axis.name, np.asarray(spectra.codes, dtype=np.int8), attributes)}
 
 
 def _zones(near: Steady) -> tuple[list[float], list[int]]:
@@ -474,10 +474,12 @@ def _zones(near: Steady) -> tuple[list[float], list[int]]:
     axis = near.axis
     with warnings.catch_warnings():  # an open piece leaves out the zones, and nothing else
         warnings.simplefilter("ignore", StabilityWarning)
-        found = boundaries(near.family, axis=("at", axis.low, axis.high, axis.count), **near.call)
-    if not found.complete or not len(found):
+        crossings = boundaries(
+            near.family, axis=("at", axis.low, axis.high, axis.count), **near.call
+        )
+    if not crossings.complete or not len(crossings):
         return [], []
-    changes = [float(f"{p.value:.{DIGITS}g}") for p in found]
+    changes = [float(f"{p.value:.{DIGITS}g}") for p in crossings]
     ends = np.array([axis.low, *changes, axis.high])
     middles = (ends[1:] + ends[:-1]) / 2
     between = spectrum(near.family, at=middles, certify=True, **near.call)

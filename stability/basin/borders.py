@@ -143,11 +143,11 @@ def borders(
     --------
     >>> def inside(points):
     ...     return (np.hypot(points[:, 0], points[:, 1]) < 0.8).astype(int)
-    >>> found = borders(inside, ("x", -1, 1, 5), ("y", -1, 1, 5), levels=6)
-    >>> found.mixed, found.asked, found.full
+    >>> outline = borders(inside, ("x", -1, 1, 5), ("y", -1, 1, 5), levels=6)
+    >>> outline.mixed, outline.asked, outline.full
     ((12, 28, 52, 100, 204, 412, 820), 3257, 66049)
-    >>> [line] = found.lines
-    >>> line.closed, bool(np.abs(np.hypot(*line.points.T) - 0.8).max() < found.widths[-1, 0])
+    >>> [line] = outline.lines
+    >>> line.closed, bool(np.abs(np.hypot(*line.points.T) - 0.8).max() < outline.widths[-1, 0])
     (True, True)
     """
     axes = Axis.of(x, "x"), Axis.of(y, "y")
@@ -163,20 +163,20 @@ def borders(
 
 
 def _known(
-    known: Borders | ArrayLike | None, axes: tuple[Axis, Axis]
+    former: Borders | ArrayLike | None, axes: tuple[Axis, Axis]
 ) -> tuple[Ints, Ints, int] | None:
     """Indices, labels and lattice of what is known before."""
-    if known is None:
+    if former is None:
         return None
-    if isinstance(known, Borders):
-        if (known.x, known.y) != axes:
+    if isinstance(former, Borders):
+        if (former.x, former.y) != axes:
             raise ParameterError("the known borders have other axes; give the same ones.")
-        return known.index, known.labels, known.lattice_levels
-    grid = np.asarray(known)
+        return former.index, former.labels, former.lattice_levels
+    grid = np.asarray(former)
     shape = axes[1].count, axes[0].count
     if grid.shape != shape or grid.dtype.kind not in "iub":
         raise ParameterError(
-            f"known is {shown(known)}; whole numbers of shape {shape} (y, x) are needed."
+            f"known is {shown(former)}; whole numbers of shape {shape} (y, x) are needed."
         )
     j, i = (n.ravel() for n in np.indices(shape))
     return np.stack([i, j], axis=1), grid.ravel().astype(np.int64), 0
@@ -412,10 +412,10 @@ class Tree:
     def unlike(self, level: int) -> Ints:
         """Cells of a level that are mixed and not cut."""
         i, j = pair(self.leaves[level])
-        found = np.zeros(len(i), bool)
+        mask = np.zeros(len(i), bool)
         for way, a, b in _SIDES:
-            found |= _among(key(i + a, j + b), self.mixed[way][level])
-        return self.leaves[level][found]
+            mask |= _among(key(i + a, j + b), self.mixed[way][level])
+        return self.leaves[level][mask]
 
     def _reach(self, target: int) -> bool:
         """Cut mixed cells until none is coarser than a level; False where labels run out."""
@@ -541,25 +541,25 @@ def chained(ends: Ints) -> list[tuple[Ints, bool]]:
     used = [False] * len(joined)
 
     def line(node: int, segment: int) -> list[int]:
-        found = [node]
+        path = [node]
         while not used[segment]:
             used[segment] = True
             a, b = joined[segment]
-            found.append(b if found[-1] == a else a)
-            here = at[found[-1]]
+            path.append(b if path[-1] == a else a)
+            here = at[path[-1]]
             if len(here) != 2:
                 break
             segment = here[0] if used[here[1]] else here[1]
-        return found
+        return path
 
     lines: list[tuple[Ints, bool]] = []
     loose = [n for n, here in enumerate(at) if len(here) != 2]
     for node in (*loose, *range(len(nodes))):  # what is left after the loose ends are loops
         for segment in at[node]:
             if not used[segment]:
-                found = line(node, segment)
-                closed = found[0] == found[-1] and len(at[node]) == 2
-                lines.append((nodes[found[:-1] if closed else found], closed))
+                path = line(node, segment)
+                closed = path[0] == path[-1] and len(at[node]) == 2
+                lines.append((nodes[path[:-1] if closed else path], closed))
     return lines
 
 
@@ -575,8 +575,8 @@ def by_pair(ends: Ints, labels: Ints) -> Sequence[tuple[tuple[int, int], Ints, b
     -------
     sequence of (labels, nodes, closed)
     """
-    found = []
+    lines = []
     for a, b in np.unique(labels, axis=0).tolist():
-        own = (labels == (a, b)).all(axis=1)
-        found += [((a, b), nodes, closed) for nodes, closed in chained(ends[own])]
-    return found
+        rows = (labels == (a, b)).all(axis=1)
+        lines += [((a, b), nodes, closed) for nodes, closed in chained(ends[rows])]
+    return lines

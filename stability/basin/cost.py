@@ -57,7 +57,7 @@ class Cost:
 class _Trial:
     """What some launches cost, and how that grows with their number."""
 
-    found: Arrays
+    columns: Arrays
     """Arrays of the launches."""
     turns: Floats
     """Numbers of steps at which a launch ended, ascending, whole strides."""
@@ -69,7 +69,7 @@ class _Trial:
     @property
     def count(self) -> int:
         """Number of launches."""
-        return len(self.found["outcome"])
+        return len(self.columns["outcome"])
 
     def steps(self, launches: float) -> float:
         """Steps of whole batches if so many launches end as these do.
@@ -84,8 +84,8 @@ class _Trial:
         """Expected cost of the batches, and of single launches, of so many launches [s]."""
         if not launches:
             return 0.0, 0.0
-        own = self.steps(self.count)
-        together = self.together * self.steps(launches) / own if own else 0.0
+        steps = self.steps(self.count)
+        together = self.together * self.steps(launches) / steps if steps else 0.0
         return together, self.alone * launches / self.count
 
 
@@ -143,15 +143,15 @@ def predict(
         return Cost(0, layout.total, 0, 0.0, 0.0, 0.0, workers, 0)
     cells = _spread(layout.shape)
     trial = _trials(plan, cells, max(launches, 1), clock)
-    found = trial.found
-    border = _along_borders(layout.shape, cells[: trial.count], found, levels) if levels else 0
+    columns = trial.columns
+    border = _along_borders(layout.shape, cells[: trial.count], columns, levels) if levels else 0
     waves = 2 * levels  # of a refinement; they follow each other
     parts = [trial.price(launches / max(len(blocks), 1))] * len(blocks)
     rounds = parts[: math.ceil(len(blocks) / workers)]
     share = [trial.price(border / waves / workers)] * waves if waves else []
     seconds, least = (sum(map(part, rounds + share)) for part in (sum, itemgetter(0)))
     computing = sum(map(sum, parts)) + workers * sum(map(sum, share))
-    size = (_compressed(found) * layout.total) + border
+    size = (_compressed(columns) * layout.total) + border
     done = layout.total - launches
     return Cost(
         launches,
@@ -167,7 +167,7 @@ def predict(
 
 
 def _along_borders(
-    shape: tuple[int, ...], cells: NDArray[np.intp], found: Arrays, levels: int
+    shape: tuple[int, ...], cells: NDArray[np.intp], columns: Arrays, levels: int
 ) -> int:
     """Launches along borders, from neighbours among scattered ones.
 
@@ -176,7 +176,7 @@ def _along_borders(
     """
     from scipy.spatial import KDTree
 
-    labels, near = coded(found["outcome"], found["family"]), min(NEAR, len(cells) - 1)
+    labels, near = coded(columns["outcome"], columns["family"]), min(NEAR, len(cells) - 1)
     if not near:
         return 0
     apart, place = KDTree(cells).query(cells, near + 1)
@@ -207,10 +207,10 @@ def _run(plan: Plan, cells: NDArray[np.intp], clock: Callable[[], float]) -> _Tr
     begin = clock()
     middle: list[float] = []
     done = outcomes(launches, plan.launches.settings, lambda: middle.append(clock()))
-    found, end = arrays(done, launches), clock()
+    columns, end = arrays(done, launches), clock()
     [parting] = middle or [begin]  # none ran on lanes
     strides = np.ceil(np.sort(done.steps) / STRIDE) * STRIDE
-    return _Trial(found, strides, parting - begin, end - parting)
+    return _Trial(columns, strides, parting - begin, end - parting)
 
 
 def _points(plan: Plan, cells: NDArray[np.intp]) -> dict[str, Floats]:
@@ -239,12 +239,12 @@ def _spread(shape: tuple[int, ...]) -> NDArray[np.intp]:
     return cells[np.sort(first)]
 
 
-def _compressed(found: Arrays) -> float:
+def _compressed(columns: Arrays) -> float:
     """Bytes of a launch in a store."""
     from ..storage.zarr_store import LEVEL
 
-    number = len(next(iter(found.values())))
-    plain = {n: np.ascontiguousarray(v).tobytes() for n, v in found.items()}
+    number = len(next(iter(columns.values())))
+    plain = {n: np.ascontiguousarray(v).tobytes() for n, v in columns.items()}
     try:
         from numcodecs.zstd import Zstd
     except ImportError:

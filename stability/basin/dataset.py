@@ -94,12 +94,12 @@ def variables(sample: Starts) -> tuple[Variable, ...]:
     )
 
 
-def arrays(found: Outcomes, launches: Starts) -> dict[str, Any]:
+def arrays(outcomes: Outcomes, launches: Starts) -> dict[str, Any]:
     """Outcomes in the user's units.
 
     Parameters
     ----------
-    found
+    outcomes
         Outcomes, dimensionless for a body.
     launches
         The launches.
@@ -112,17 +112,17 @@ def arrays(found: Outcomes, launches: Starts) -> dict[str, Any]:
     names = launches.settling.names
     unit = np.ones(launches.count)  # where none is settled on there is no member
     for i, name in enumerate(names):
-        np.copyto(unit, launches.size(named_by(name)), where=found.family == i)
-    settled = found.outcome == CODES[Outcome.SETTLED]
-    off = np.where(settled & np.isfinite(found.error), found.error, 0.0)
+        np.copyto(unit, launches.size(named_by(name)), where=outcomes.family == i)
+    settled = outcomes.outcome == CODES[Outcome.SETTLED]
+    off = np.where(settled & np.isfinite(outcomes.error), outcomes.error, 0.0)
     return {
-        "outcome": found.outcome,
-        "end_time": found.time * launches.size(Kind.TIME),
-        "family": (found.family + 1).astype(np.int8),
-        "member": found.member * unit,
-        "member_error": (found.member_error + off) * unit,
-        "error": found.error,
-        "steps": found.steps.astype(np.int32),
+        "outcome": outcomes.outcome,
+        "end_time": outcomes.time * launches.size(Kind.TIME),
+        "family": (outcomes.family + 1).astype(np.int8),
+        "member": outcomes.member * unit,
+        "member_error": (outcomes.member_error + off) * unit,
+        "error": outcomes.error,
+        "steps": outcomes.steps.astype(np.int32),
         "start_state": launches.states_in_units(launches.starts),
     }
 
@@ -137,9 +137,9 @@ def blank(arrays: tuple[Variable, ...], count: int) -> Arrays:
     count
         Number of launches.
     """
-    known = {"outcome": CODES[Outcome.UNRESOLVED], "family": 0, "steps": 0}
+    values = {"outcome": CODES[Outcome.UNRESOLVED], "family": 0, "steps": 0}
     return {
-        v.name: np.full((count, *(n for _, n in v.more)), known.get(v.name, v.fill), v.dtype)
+        v.name: np.full((count, *(n for _, n in v.more)), values.get(v.name, v.fill), v.dtype)
         for v in arrays
     }
 
@@ -153,15 +153,15 @@ def lost(kept: Store) -> tuple[int, ...]:
         The store of a call.  It is read chunk by chunk, and starts only where a chunk needs it.
     """
     there, layout = kept.dataset(), kept.layout
-    found: list[int] = []
+    numbers: list[int] = []
     for block in layout.blocks():
         where = dict(zip(layout.dims, layout.slices(block), strict=True))
         open_ = there.outcome.isel(where).values.ravel() == CODES[Outcome.UNRESOLVED]
         if open_.any():
             starts = there.start_state.isel(where).values
             bare = np.isnan(starts).all(axis=-1).ravel()
-            found += [layout.number(block, int(i)) for i in np.flatnonzero(open_ & bare)]
-    return tuple(sorted(found))
+            numbers += [layout.number(block, int(i)) for i in np.flatnonzero(open_ & bare)]
+    return tuple(sorted(numbers))
 
 
 def told_of_lost(numbers: tuple[int, ...]) -> str:
@@ -196,14 +196,14 @@ def coordinates(launches: Launches, sample: Starts, axes: tuple[Axis, ...]) -> d
     axes
         The axes of a map, the slowest first; none for a sample.
     """
-    found: dict[str, Any] = {
+    coords: dict[str, Any] = {
         name: (a.name, a.values, launches.label(sample, a.name))
         for a in axes
         for name in ((a.name, "at") if a.name == getattr(launches, "own", "") else (a.name,))
     }
     for name, value in launches.held.items():
-        found[name] = ((), float(value), launches.label(sample, name))
-    return found
+        coords[name] = ((), float(value), launches.label(sample, name))
+    return coords
 
 
 def attributes(launches: Launches, sample: Starts, more: Mapping[str, Any]) -> dict[str, Any]:
@@ -217,7 +217,7 @@ def attributes(launches: Launches, sample: Starts, more: Mapping[str, Any]) -> d
         Further attributes, such as the seed of a sample.
     """
     settings = launches.settings
-    found: dict[str, Any] = {
+    attrs: dict[str, Any] = {
         "format": FORMAT,
         "title": f"outcomes of launches: {sample.model.title}",
         "horizon": launches.horizon,
@@ -229,8 +229,8 @@ def attributes(launches: Launches, sample: Starts, more: Mapping[str, Any]) -> d
         "source": sample.model.source,
         "Conventions": "CF-1.11",
     }
-    found |= launches.attributes(sample)
-    return found | dict(more)
+    attrs |= launches.attributes(sample)
+    return attrs | dict(more)
 
 
 def works(sample: Starts, *, linear: bool) -> str:

@@ -49,10 +49,10 @@ def asked(label: Label, points: Floats, chunk: int | None = None) -> Ints:
 
 
 def _one_call(label: Label, points: Floats) -> Ints:
-    found = np.asarray(label(points))
-    if found.dtype.kind not in "iub" or found.shape != (len(points),):
+    labels = np.asarray(label(points))
+    if labels.dtype.kind not in "iub" or labels.shape != (len(points),):
         raise ParameterError(
-            f"label returned {shown(found)} for {len(points)} launches; "
+            f"label returned {shown(labels)} for {len(points)} launches; "
             "return one whole number for each, as an array of integers."
         )
-    return found.astype(np.int64)
+    return labels.astype(np.int64)

@@ -53,8 +53,8 @@ class LaunchLabels:
     @property
     def citation(self) -> str:
         """Keys of the works to cite, for `stability.citation`."""
-        one = {name: np.ones(1) for name in self.launches.varied}
-        return works(self.launches.starts(one), linear=False)
+        single = {name: np.ones(1) for name in self.launches.varied}
+        return works(self.launches.starts(single), linear=False)
 
     def __call__(self, points: Floats) -> Ints:
         """The labels of launches."""
@@ -68,24 +68,24 @@ class LaunchLabels:
         size = min(PIECE, max(256, -(-len(table) // workers)))
         mine = shared(replace(self, executor=None), self.executor)
         pieces = [table[n : n + size] for n in range(0, len(table), size)]
-        found = [np.zeros(0, dtype=np.int64)]
+        parts = [np.zeros(0, dtype=np.int64)]
         with closing(
             ordered(
                 range(len(pieces)),
                 lambda i: partial(_labels, mine, pieces[i]),
                 executor=self.executor,
                 workers=workers,
-                own=threads,
+                start_pool=threads,
             )
         ) as results:
-            found += [labels for _, labels in results]
-        return np.concatenate(found)
+            parts += [labels for _, labels in results]
+        return np.concatenate(parts)
 
     def of(self, points: Floats) -> Ints:
         """The labels of some launches, computed at once and here."""
         table = dict(zip(self.launches.varied, points.T, strict=True))
-        found = outcomes(self.launches.starts(table), self.launches.settings)
-        return coded(found.outcome, found.family + 1)
+        result = outcomes(self.launches.starts(table), self.launches.settings)
+        return coded(result.outcome, result.family + 1)
 
     def words(self, label: int) -> str:
         """A label in words."""

@@ -77,7 +77,7 @@ class Launches(ABC):
         """Names that must vary or be held."""
 
     @abstractmethod
-    def gathered(self, given: Mapping[str, Floats], times: Sequence[float]) -> Starts:
+    def gathered(self, values: Mapping[str, Floats], times: Sequence[float]) -> Starts:
         """The launches with these numbers, shape (N,) each; bad starts are marked."""
 
     @abstractmethod
@@ -106,11 +106,11 @@ class Launches(ABC):
             Those without contact at the start are marked.
         """
         count = len(next(iter(points.values())))
-        given = {n: np.full(count, v) for n, v in self.held.items()} | {
+        values = {n: np.full(count, v) for n, v in self.held.items()} | {
             n: np.asarray(v, dtype=float) for n, v in points.items()
         }
         with CASADI:  # calls from several threads take turns
-            return self.gathered(given, [0.0, self.horizon])
+            return self.gathered(values, [0.0, self.horizon])
 
     def check_edges(self, axes: Sequence[Axis]) -> None:
         """Refuse a map with launches that do not exist before any of them runs.
@@ -150,10 +150,10 @@ class SystemLaunches(Launches):
 
     needed = names
 
-    def gathered(self, given: Mapping[str, Floats], times: Sequence[float]) -> Starts:
+    def gathered(self, values: Mapping[str, Floats], times: Sequence[float]) -> Starts:
         """States and parameters by name."""
         x, p = (
-            {n: given[n] for n in names} for names in (self.system.states, self.system.parameters)
+            {n: values[n] for n in names} for names in (self.system.states, self.system.parameters)
         )
         return launches_of(self.system, p or None, x, times, families=self.families, mark=True)
 
@@ -212,12 +212,12 @@ class BodyLaunches(Launches):
         """The number that names a member, or the inclination."""
         return (self.own,) if self.family else ("theta",)
 
-    def having(self, given: Mapping[str, Any]) -> tuple[Disk | Body, Contact]:
+    def having(self, values: Mapping[str, Any]) -> tuple[Disk | Body, Contact]:
         """The body and the law with those of some numbers that are their own."""
-        body = self.body.having({n: v for n, v in given.items() if n in self.body.given})
+        body = self.body.having({n: v for n, v in values.items() if n in self.body.given})
         law = self.contact.given
-        if set(law) & set(given):
-            return body, type(self.contact)(**(law | {n: given[n] for n in law if n in given}))
+        if set(law) & set(values):
+            return body, type(self.contact)(**(law | {n: values[n] for n in law if n in values}))
         return body, self.contact
 
     def steady(self, axes: Sequence[Axis]) -> Steady | None:
@@ -230,24 +230,28 @@ class BodyLaunches(Launches):
         call = {"body": body, "contact": law, **self.where}
         return Steady(self.family, f"{self.near} under {law.name} contact", along[0], call)
 
-    def gathered(self, given: Mapping[str, Floats], times: Sequence[float]) -> Starts:
+    def gathered(self, values: Mapping[str, Floats], times: Sequence[float]) -> Starts:
         """The body and the law with their numbers, and the six states."""
-        body, law = self.having(given)
-        six, resistance = self._six(body, given), self.resistance or None
+        body, law = self.having(values)
+        six, resistance = self._six(body, values), self.resistance or None
         return launches_of(body, law, six, times, mark=True, resistance=resistance)
 
-    def _six(self, body: Disk | Body, given: Mapping[str, Floats]) -> Floats:
+    def _six(self, body: Disk | Body, values: Mapping[str, Floats]) -> Floats:
         """The six states of each launch."""
-        count = len(next(iter(given.values())))
+        count = len(next(iter(values.values())))
         six = np.zeros((count, 6))
         if self.family:
             six = launch(
-                self.family, at=given[self.own], tilt=given.get(TILT, 0.0), body=body, **self.where
+                self.family,
+                at=values[self.own],
+                tilt=values.get(TILT, 0.0),
+                body=body,
+                **self.where,
             )
             six = np.array(np.broadcast_to(six, (count, 6)))
         for column, name in enumerate(STATES):
-            if name in given and not (self.family and name == self.own):
-                six[:, column] = given[name]
+            if name in values and not (self.family and name == self.own):
+                six[:, column] = values[name]
         return six
 
     def label(self, sample: Starts, name: str) -> dict[str, str]:
@@ -255,8 +259,8 @@ class BodyLaunches(Launches):
         if name == TILT:
             return {"long_name": "tilt from the steady motion", "units": Kind.ANGLE.si}
         if name == self.own and name not in sample.model.quantities:  # of no state of the angles
-            own = round_quantities("", Smooth, (), (name,))[name]
-            return own.attributes(dimensionless=sample.dimensionless)
+            quantity = round_quantities("", Smooth, (), (name,))[name]
+            return quantity.attributes(dimensionless=sample.dimensionless)
         return sample.model.attributes(name, dimensionless=sample.dimensionless)
 
     def attributes(self, sample: Starts) -> dict[str, Any]:
@@ -265,14 +269,14 @@ class BodyLaunches(Launches):
         against = {r.coefficient: r.value for r in self.resistance}
         numbers = {**self.body.given, **self.contact.given, **against}
         fixed = {n: float(v) for n, v in numbers.items() if n not in swept and np.ndim(v) == 0}
-        found = {
+        attrs = {
             "body": sample.subject.attributes.get("body", "disk"),
             "contact": self.contact.name,
             "flat": self.settings.flat,
             "dimensionless": int(sample.dimensionless),
             "parameters": json.dumps(fixed, sort_keys=True),
         }
-        return found | ({"launched_near": self.near} if self.family else {})
+        return attrs | ({"launched_near": self.near} if self.family else {})
 
 
 def prepare(
@@ -329,8 +333,8 @@ def prepare(
     last = one_number("horizon", horizon)
     if not last > 0:
         raise ParameterError(f"horizon is {last:g}; give a last time above 0.")
-    known: dict[str, Any] = {"varied": tuple(varied), "held": _held(held)}
-    known |= {"horizon": last, "settings": settings}
+    common: dict[str, Any] = {"varied": tuple(varied), "held": _held(held)}
+    common |= {"horizon": last, "settings": settings}
     parameters = dict(parameters or {})
     if isinstance(mover, System):
         others = {
@@ -345,17 +349,17 @@ def prepare(
                 raise ParameterError(
                     f"{name} is {shown(value)}, which a system does not take; leave it out."
                 )
-        known["held"] |= _held(parameters)
+        common["held"] |= _held(parameters)
         if box is not None and families != ():
             raise ParameterError("families and a box are both given; give one of them.")
-        of_system = SystemLaunches(system=mover, families=_families(families), **known)
-        found: Launches = of_system if box is None else with_equilibria(of_system, box)
+        of_system = SystemLaunches(system=mover, families=_families(families), **common)
+        launches: Launches = of_system if box is None else with_equilibria(of_system, box)
     else:
         if families is not None and not (isinstance(families, (tuple, list)) and not families):
             raise ParameterError("families belong to a stability.System; leave them out.")
         if box is not None:
             raise ParameterError("a box belongs to a stability.System; leave it out.")
-        contact = law_given(contact, parameters, motion=True, swept=(*varied, *known["held"]))
+        contact = law_given(contact, parameters, motion=True, swept=(*varied, *common["held"]))
         for name in parameters:
             raise ParameterError(
                 f"{shown(name)} is not an argument here; give it in held, or as an axis."
@@ -368,12 +372,12 @@ def prepare(
         against = resistances(resistance)
         for r in against:
             one_number(r.coefficient, r.value)
-        found = BodyLaunches(
-            body=mover, contact=contact, family=near, where=where, resistance=against, **known
+        launches = BodyLaunches(
+            body=mover, contact=contact, family=near, where=where, resistance=against, **common
         )
-    refuse_constants(mover, (*found.varied, *found.held))
-    _complete(found)
-    return found
+    refuse_constants(mover, (*launches.varied, *launches.held))
+    _complete(launches)
+    return launches
 
 
 def _held(held: Any) -> dict[str, float]:
@@ -385,10 +389,10 @@ def _held(held: Any) -> dict[str, float]:
 
 
 def _families(families: Any) -> tuple[Family, ...]:
-    given = (families,) if isinstance(families, Family) else families
-    if not isinstance(given, (tuple, list)):
+    sequence = (families,) if isinstance(families, Family) else families
+    if not isinstance(sequence, (tuple, list)):
         raise ParameterError(f"families is {shown(families)}; give a list of stability.Family.")
-    return tuple(given)
+    return tuple(sequence)
 
 
 def with_equilibria(launches: SystemLaunches, box: Mapping[str, Any]) -> SystemLaunches:
@@ -420,7 +424,9 @@ def _family(body: Disk | Body, family: Any, theta: Any, pole: Any) -> tuple[str,
         return "", {}
     outline = body if isinstance(body, Body) else None  # whose members all have formulas
     lines = [
-        n for n, one in FAMILIES.items() if (len(one.at) == 1 if outline is not None else one.line)
+        n
+        for n, record in FAMILIES.items()
+        if (len(record.at) == 1 if outline is not None else record.line)
     ]
     if name not in lines:
         raise NameUnknownError(f"family is {shown(family)}; give one of {', '.join(lines)}.")
@@ -433,18 +439,18 @@ def _family(body: Disk | Body, family: Any, theta: Any, pole: Any) -> tuple[str,
     return name, where
 
 
-def _complete(found: Launches) -> None:
+def _complete(launches: Launches) -> None:
     """Refuse names that are unknown, given twice or missing."""
-    for name in (*found.varied, *found.held):
-        if name not in found.names:
+    for name in (*launches.varied, *launches.held):
+        if name not in launches.names:
             raise NameUnknownError(
-                f"{shown(name)} varies nothing here; known are {', '.join(found.names)}."
+                f"{shown(name)} varies nothing here; known are {', '.join(launches.names)}."
             )
-    double = [n for n in found.varied if n in found.held] or [
-        n for n in found.varied if found.varied.count(n) > 1
+    double = [n for n in launches.varied if n in launches.held] or [
+        n for n in launches.varied if launches.varied.count(n) > 1
     ]
     if double:
         raise ParameterError(f"{double[0]} is given twice; give it as an axis or in held.")
-    missing = [n for n in found.needed if n not in (*found.varied, *found.held)]
+    missing = [n for n in launches.needed if n not in (*launches.varied, *launches.held)]
     if missing:
         raise ParameterError(f"{listed(missing)} has no value; give it in held, or as an axis.")

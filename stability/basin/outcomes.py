@@ -77,22 +77,22 @@ def outcomes(
     Source: tests/basin/test_outcomes.py compares them with `simulate`.
     """
     fit = np.ones(launches.count, dtype=bool)
-    found = _blank(launches.count)
+    table = _blank(launches.count)
     flow = flow_of(launches.model)
     ended = (launches.unfit or {}) | dict.fromkeys(launches.flat(settings.flat).tolist(), FLAT)
     for row, kind in ended.items():
         fit[row] = False
-        found.outcome[row] = CODES[OF_END.get(kind, Outcome.DOMAIN_END)]
-        found.error[row] = 0.0
+        table.outcome[row] = CODES[OF_END.get(kind, Outcome.DOMAIN_END)]
+        table.error[row] = 0.0
     rows = np.flatnonzero(fit)
     if not rows.size:
-        return found
+        return table
     alone = rows
     if on_lanes(launches):
-        alone = _together(found, launches, rows, settings, flow)
+        alone = _together(table, launches, rows, settings, flow)
         before_single()
-    _singly(found, launches, alone, settings)
-    return found
+    _singly(table, launches, alone, settings)
+    return table
 
 
 def on_lanes(launches: Starts) -> bool:
@@ -120,7 +120,7 @@ def _blank(count: int) -> Outcomes:
 
 
 def _together(
-    found: Outcomes, launches: Starts, rows: NDArray[np.intp], settings: Settings, flow: Flow
+    table: Outcomes, launches: Starts, rows: NDArray[np.intp], settings: Settings, flow: Flow
 ) -> NDArray[np.intp]:
     """Run launches on lanes, twice; those that the two runs leave open."""
     starts, p = flow.pack(launches.starts[rows]), launches.flow_p(settings.flat)[rows]
@@ -140,7 +140,7 @@ def _together(
         # where the two runs have parted, neither says how the launch ends
         lasting = np.isin(first.outcome, [CODES[Outcome.MOVING], CODES[Outcome.SETTLED]])
         alone |= lasting & (first.error > PARTED)
-    _write(found, rows, first)
+    _write(table, rows, first)
     left: NDArray[np.intp] = rows[alone]
     return left
 
@@ -158,7 +158,7 @@ def _decades(tolerance: float, loose: float) -> float:
 
 
 @dataclass(frozen=True, eq=False)
-class _Run(Outcomes):
+class _RunOutcomes(Outcomes):
     """Outcomes of one run with the states at its ends."""
 
     state: Floats
@@ -173,13 +173,13 @@ def _judged(
     tolerance: float,
     settings: Settings,
     settling: Settling,
-) -> _Run:
+) -> _RunOutcomes:
     """One run of launches, and what its ends mean; rare ends count as unresolved."""
     lean = lean_of(flow)
-    own = p[:, : len(flow.system.parameters)]
-    watch = Watcher(settling, lean.report, own, horizon, settings.settle)
+    parameters = p[:, : len(flow.system.parameters)]
+    watch = Watcher(settling, lean.report, parameters, horizon, settings.settle)
     done = ends(lean.flow, lean.pack(starts), p, horizon, tolerance, settings.max_steps, watch)
-    run = _Run(**vars(_blank(len(starts))), state=lean.whole(done.state))
+    run = _RunOutcomes(**vars(_blank(len(starts))), state=lean.whole(done.state))
     run.time[:], run.steps[:] = done.time, done.steps
     run.outcome[done.kind == FAILED] = CODES[Outcome.UNRESOLVED]
     proved = done.kind == PROVED
@@ -196,54 +196,56 @@ def _judged(
     return run
 
 
-def _events(run: _Run, flow: Flow, rows: NDArray[np.intp], p: Floats, horizon: Floats) -> None:
+def _events(
+    run: _RunOutcomes, flow: Flow, rows: NDArray[np.intp], p: Floats, horizon: Floats
+) -> None:
     """Name events, and move them along the motion to the zeros of their guards."""
-    names, given = list(flow.guards), p[rows]
-    which, times, y = at_guards(flow, given, run.state[rows], run.time[rows], horizon[rows])
+    names, parameters = list(flow.guards), p[rows]
+    which, times, y = at_guards(flow, parameters, run.state[rows], run.time[rows], horizon[rows])
     run.state[rows], run.time[rows] = y, times
     for kind in set(which.tolist()):
         mine = rows[which == kind]
         run.outcome[mine] = CODES[OF_END.get(names[kind], Outcome.DOMAIN_END)]
     if NO_CONTACT in names:  # the contact force may be singular: decided alone
-        near = np.abs(flow.margins(y, given)[0][:, names.index(NO_CONTACT)]) < 1e4 * TOGETHER
+        near = np.abs(flow.margins(y, parameters)[0][:, names.index(NO_CONTACT)]) < 1e4 * TOGETHER
         contact = np.array([names[k] in (LIFT_OFF, NO_CONTACT) for k in which])
         run.outcome[rows[near & contact]] = CODES[Outcome.UNRESOLVED]
 
 
-def _differences(first: _Run, second: _Run) -> Floats:
+def _differences(first: _RunOutcomes, second: _RunOutcomes) -> Floats:
     """What the integration's error changes: member, time of an event, or final state."""
-    found = np.full(len(first.time), np.nan)
+    differences = np.full(len(first.time), np.nan)
     same = (first.outcome == second.outcome) & (first.family == second.family)
     settled = same & (first.outcome == CODES[Outcome.SETTLED])
-    found[settled] = np.abs(first.member - second.member)[settled]
+    differences[settled] = np.abs(first.member - second.member)[settled]
     lasted = same & (first.outcome == CODES[Outcome.MOVING])
     size = np.maximum(1.0, np.abs(first.state[lasted]))
-    found[lasted] = (np.abs(first.state - second.state)[lasted] / size).max(axis=1)
+    differences[lasted] = (np.abs(first.state - second.state)[lasted] / size).max(axis=1)
     other = same & ~settled & ~lasted
-    found[other] = np.abs(first.time - second.time)[other]
-    return found
+    differences[other] = np.abs(first.time - second.time)[other]
+    return differences
 
 
-def _write(found: Outcomes, rows: NDArray[np.intp], run: Outcomes) -> None:
+def _write(table: Outcomes, rows: NDArray[np.intp], run: Outcomes) -> None:
     for name in Outcomes.__dataclass_fields__:
-        getattr(found, name)[rows] = getattr(run, name)
+        getattr(table, name)[rows] = getattr(run, name)
 
 
-def _singly(found: Outcomes, launches: Starts, rows: NDArray[np.intp], settings: Settings) -> None:
+def _singly(table: Outcomes, launches: Starts, rows: NDArray[np.intp], settings: Settings) -> None:
     """Decide some launches one by one, with all their neighbours."""
     if not rows.size:
         return
     some = results(launches.some(rows), replace(settings, check=True, workers=1))
     for row, result in zip(rows, some, strict=True):
-        found.outcome[row] = result.outcome.code
-        found.time[row] = result.settled_at if result.outcome is Outcome.SETTLED else result.time
-        found.steps[row] = result.path.steps
+        table.outcome[row] = result.outcome.code
+        table.time[row] = result.settled_at if result.outcome is Outcome.SETTLED else result.time
+        table.steps[row] = result.path.steps
         doubt = result.doubt
         if doubt is not None:
             timed = result.outcome not in (Outcome.SETTLED, Outcome.MOVING)
             error = doubt.time_error if timed else doubt.final_error
-            found.error[row] = error if math.isfinite(error) else np.nan
+            table.error[row] = error if math.isfinite(error) else np.nan
         if result.outcome is Outcome.SETTLED:
             near = result.near
-            found.family[row] = launches.settling.names.index(near.family)
-            found.member[row], found.member_error[row] = near.limit, near.error
+            table.family[row] = launches.settling.names.index(near.family)
+            table.member[row], table.member_error[row] = near.limit, near.error

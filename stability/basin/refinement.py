@@ -62,7 +62,7 @@ def refine(
     Launches along the borders are kept wave by wave.  The borders are added when all are there.
     """
     there = kept.dataset()
-    known = coded(there.outcome.values, there.family.values)
+    coarse = coded(there.outcome.values, there.family.values)
     total = kept.layout.total
     waves = Waves(
         labels,
@@ -71,15 +71,15 @@ def refine(
         workers,
         progress,
         total,
-        total + expected_launches(mixed_cells(known), levels),
+        total + expected_launches(mixed_cells(coarse), levels),
     )
-    found = borders(
+    refined = borders(
         waves,
         *((a.name, a.low, a.high, a.count, *(["log"] * a.log)) for a in axes),
         levels=levels,
-        known=known,
+        known=coarse,
     )
-    kept.attach(border_arrays(found, axes))
+    kept.attach(border_arrays(refined, axes))
     waves.finish()
 
 
@@ -119,8 +119,8 @@ class Waves:
             progress=self._told,
         )
         self.done += count
-        found: Ints = store.dataset()[LABEL.name].values
-        return found
+        labels: Ints = store.dataset()[LABEL.name].values
+        return labels
 
     def finish(self) -> None:
         """Say that nothing is left."""
@@ -173,12 +173,12 @@ def expected_launches(mixed: float, levels: int) -> int:
     return int(EACH * mixed * (2**levels - 1) + 0.5)
 
 
-def mixed_cells(known: Ints) -> int:
+def mixed_cells(labels: Ints) -> int:
     """Cells of a map whose corners differ.
 
     Parameters
     ----------
-    known
+    labels
         Labels, shape (y, x).
 
     Examples
@@ -186,16 +186,16 @@ def mixed_cells(known: Ints) -> int:
     >>> mixed_cells(np.array([[0, 0, 1], [0, 0, 1]]))
     1
     """
-    corners = np.stack([known[:-1, :-1], known[:-1, 1:], known[1:, :-1], known[1:, 1:]])
+    corners = np.stack([labels[:-1, :-1], labels[:-1, 1:], labels[1:, :-1], labels[1:, 1:]])
     return int((corners != corners[0]).any(axis=0).sum())
 
 
-def border_arrays(found: Borders, axes: tuple[Axis, Axis]) -> xarray.Dataset:
+def border_arrays(borders: Borders, axes: tuple[Axis, Axis]) -> xarray.Dataset:
     """The borders between the outcomes of a map.
 
     Parameters
     ----------
-    found
+    borders
         Borders of its labels.
     axes
         x and y.
@@ -209,25 +209,25 @@ def border_arrays(found: Borders, axes: tuple[Axis, Axis]) -> xarray.Dataset:
     """
     import xarray
 
-    parts, meaning = _blocks(found, axes)
+    parts, meaning = _blocks(borders, axes)
     return xarray.Dataset(
-        _variables(found, axes) | parts,
+        _variables(borders, axes) | parts,
         attrs={
-            "border_width": [float(w) for w in found.widths[-1]],
-            "border_levels": found.lattice_levels,
-            "border_launches": found.asked,
-            "border_note": found.note,
-            "border_cells": [int(n) for n in found.counts],
-            **_exponent_attributes(found),
+            "border_width": [float(w) for w in borders.widths[-1]],
+            "border_levels": borders.lattice_levels,
+            "border_launches": borders.asked,
+            "border_note": borders.note,
+            "border_cells": [int(n) for n in borders.counts],
+            **_exponent_attributes(borders),
             **meaning,
         },
     )
 
 
-def _variables(found: Borders, axes: tuple[Axis, Axis]) -> dict[str, Any]:
-    lines = [_closed(line) for line in found.lines]
+def _variables(borders: Borders, axes: tuple[Axis, Axis]) -> dict[str, Any]:
+    lines = [_closed(line) for line in borders.lines]
     points, lengths = np.concatenate([np.zeros((0, 2)), *lines]), [len(p) for p in lines]
-    pairs = np.array([line.labels for line in found.lines], dtype=np.int64).reshape(-1, 2)
+    pairs = np.array([line.labels for line in borders.lines], dtype=np.int64).reshape(-1, 2)
     sides = np.repeat(pairs, lengths, axis=0)
     made: dict[str, Any] = {
         f"border_{a.name}": (
@@ -260,17 +260,19 @@ def _closed(line: Any) -> Floats:
     return points
 
 
-def _blocks(found: Borders, axes: tuple[Axis, Axis]) -> tuple[dict[str, Any], dict[str, Any]]:
+def _blocks(borders: Borders, axes: tuple[Axis, Axis]) -> tuple[dict[str, Any], dict[str, Any]]:
     """The blocks of a map that hold a border, and which are sensitive."""
-    span = min(SPAN, found.levels)
+    span = min(SPAN, borders.levels)
     if span < LEAST:
-        few = f"not sought: sensitive parts need {LEAST} halvings, and {found.levels} are complete"
+        few = (
+            f"not sought: sensitive parts need {LEAST} halvings, and {borders.levels} are complete"
+        )
         return {}, {"border_sensitive_note": few}
-    open_ = [c for c in np.unique(found.labels) if c // FAMILIES in UNFINISHED]
-    local = sensitive(found, span=span, unfinished=open_)
+    open_ = [c for c in np.unique(borders.labels) if c // FAMILIES in UNFINISHED]
+    local = sensitive(borders, span=span, unfinished=open_)
     arrays: dict[str, Any] = {}
     for axis, index in zip(axes, local.blocks.T, strict=True):
-        ends = [between(axis, (index + i) << span, found.levels) for i in (0, 1)]
+        ends = [between(axis, (index + i) << span, borders.levels) for i in (0, 1)]
         arrays[f"border_block_{axis.name}"] = (
             (BLOCK, "edge"),
             np.stack(ends, axis=-1),
@@ -293,27 +295,27 @@ def _blocks(found: Borders, axes: tuple[Axis, Axis]) -> tuple[dict[str, Any], di
     return arrays, {"border_sensitive_note": local.note}
 
 
-def _exponent_attributes(found: Borders) -> dict[str, Any]:
+def _exponent_attributes(borders: Borders) -> dict[str, Any]:
     """The uncertainty exponent of a border and its confidence interval, as attributes."""
     try:
-        known = box_dimension(found)
+        dimension = box_dimension(borders)
     except ParameterError as error:
         return {"border_exponent_note": f"none: {error}"}
-    low, high = known.interval
-    first, last = known.levels
+    low, high = dimension.interval
+    first, last = dimension.levels
     return {
-        "border_exponent": float(known.exponent),
+        "border_exponent": float(dimension.exponent),
         "border_exponent_interval": [float(2 - high), float(2 - low)],
-        "border_exponent_level": known.level,
+        "border_exponent_level": dimension.level,
         "border_exponent_note": "2 - D, with D the slope of the number of unlike neighbours (two "
         "launches side by side with different ends) over their distance, halvings "
-        f"{first} to {last}; all borders together{_moving(found)}",
+        f"{first} to {last}; all borders together{_moving(borders)}",
     }
 
 
-def _moving(found: Borders) -> str:
+def _moving(borders: Borders) -> str:
     """The share of borders next to launches whose end is not known, for the note."""
-    open_ = np.isin(found.pair_labels // FAMILIES, list(UNFINISHED)).any(axis=1)
+    open_ = np.isin(borders.pair_labels // FAMILIES, list(UNFINISHED)).any(axis=1)
     if not open_.any():
         return ""
     return (

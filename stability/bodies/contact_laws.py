@@ -624,27 +624,27 @@ def law_class(law: str | Contact | type[Contact] | None, *, motion: bool = True)
     >>> law_class("viscous")
     <class 'stability.bodies.contact_laws.Viscous'>
     """
-    linear = [n for n, one in MOTION_LAWS.items() if one.linearises]
+    linear = [n for n, entry in MOTION_LAWS.items() if entry.linearises]
     if law is None:
         raise law_missing(MOTION_LAWS if motion else LAWS)
     kind = type(law) if isinstance(law, Contact) else law
     if isinstance(kind, type) and issubclass(kind, Contact) and kind.name:
-        found = kind
+        law_type = kind
     elif isinstance(law, str) and law in MOTION_LAWS:
-        found = MOTION_LAWS[law]
+        law_type = MOTION_LAWS[law]
     else:
-        found = MOTION_LAWS[known("contact", law, MOTION_LAWS if motion else linear)]
-    if (found.sticks or not found.slips) and found not in MOTION_LAWS.values():
+        law_type = MOTION_LAWS[known("contact", law, MOTION_LAWS if motion else linear)]
+    if (law_type.sticks or not law_type.slips) and law_type not in MOTION_LAWS.values():
         raise NameUnknownError(
-            f"the {found.name} law sticks or leaves out the slip, whose equations are those of the "
-            "stored laws only; give a law with a force at every slip."
+            f"the {law_type.name} law sticks or leaves out the slip, whose equations are those of "
+            "the stored laws only; give a law with a force at every slip."
         )
-    if not motion and not found.linearises:
+    if not motion and not law_type.linearises:
         raise NameUnknownError(
-            f"contact is {found.name}, which has no linearisation of its own; known are "
+            f"contact is {law_type.name}, which has no linearisation of its own; known are "
             f"{', '.join(linear)}; inside the friction cone it is `rough`."
         )
-    return found
+    return law_type
 
 
 def law_missing(laws: Mapping[str, type[Contact]], more: str = "") -> ParameterError:
@@ -677,11 +677,11 @@ def spelled(laws: Mapping[str, type[Contact]]) -> str:
 
 
 def _spelled(laws: Mapping[str, type[Contact]]) -> list[str]:
-    found = []
+    calls = []
     for law in laws.values():
         first = {p.place: p.name for p in reversed(law.parameters)}
-        found.append(as_called(law, *reversed(first.values())))
-    return found
+        calls.append(as_called(law, *reversed(first.values())))
+    return calls
 
 
 def as_called(law: type[Contact], *names: str) -> str:
@@ -742,29 +742,29 @@ def law_named(
     0.3
     """
     law = class_named(name, motion=motion)
-    given = {"mu": mu} | dict(others or {})
-    given = {n: v for n, v in given.items() if v is not None}
-    for n in given:
+    parameters = {"mu": mu} | dict(others or {})
+    parameters = {n: v for n, v in parameters.items() if v is not None}
+    for n in parameters:
         if n not in [p.name for p in law.parameters]:
             if n == "mu":
-                own = listed([p.name for p in law.parameters] or ["no coefficient"])
-                remedy = f"takes {own}" if law.parameters else f"has {own}; leave it out"
+                names = listed([p.name for p in law.parameters] or ["no coefficient"])
+                remedy = f"takes {names}" if law.parameters else f"has {names}; leave it out"
                 raise ParameterError(f"mu is given but the {law.name} law {remedy}.")
             owners = [w for w, o in MOTION_LAWS.items() if o.alternatives(n)]
             where = f"; it belongs to {listed(owners)}" if owners else ""
             raise ParameterError(f"{n} is given but the {law.name} law has none{where}.")
     for p in law.parameters:
-        if not set(law.alternatives(p.name)) & set(given):
+        if not set(law.alternatives(p.name)) & set(parameters):
             word = "mu" if "mu" in law.alternatives(p.name) else p.name
             option = "--mu" if word == "mu" else f"--set {word}=VALUE"
             raise ParameterError(
                 f"{word} is missing; the {law.name} law needs a positive coefficient ({option})."
             )
-    return law(**given)
+    return law(**parameters)
 
 
 def law_given(
-    contact: Any, given: dict[str, Any], *, motion: bool = False, swept: Collection[str] = ()
+    contact: Any, values: dict[str, Any], *, motion: bool = False, swept: Collection[str] = ()
 ) -> Any:
     """The contact law of a call: an instance as it is, or a word or class with numbers by name.
 
@@ -772,7 +772,7 @@ def law_given(
     ----------
     contact
         What the caller gave; None counts as viscous where `mu` is given or swept.
-    given
+    values
         Numbers by name; those of the law are taken out.
     motion
         As for `law_named`.
@@ -794,7 +794,7 @@ def law_given(
     >>> law_given("viscous", {"mu": 0.3}).mu
     0.3
     """
-    if contact is None and "mu" in (*given, *swept):
+    if contact is None and "mu" in (*values, *swept):
         contact = Viscous
     if not isinstance(contact, (str, type)):
         return contact
@@ -803,17 +803,17 @@ def law_given(
         if isinstance(contact, str)
         else law_class(contact, motion=motion)
     )
-    own: dict[str, Any] = {}
+    parameters: dict[str, Any] = {}
     for p in law.parameters:
-        if p.name in swept and p.name in given:
+        if p.name in swept and p.name in values:
             raise ParameterError(f"{p.name} is given as a value and as an axis; give it once.")
-        if p.name in given:
-            own[p.name] = given.pop(p.name)
-        elif p.name in swept and not set(law.alternatives(p.name)) & set(own):
-            own[p.name] = 1.0  # the axis replaces this value
+        if p.name in values:
+            parameters[p.name] = values.pop(p.name)
+        elif p.name in swept and not set(law.alternatives(p.name)) & set(parameters):
+            parameters[p.name] = 1.0  # the axis replaces this value
     for p in law.parameters:
-        if not set(law.alternatives(p.name)) & set(own):
-            refuse_misspelt(law, given)
+        if not set(law.alternatives(p.name)) & set(parameters):
+            refuse_misspelt(law, values)
             words = dict.fromkeys(
                 "mu" if "mu" in law.alternatives(n) else n for n in (q.name for q in law.parameters)
             )
@@ -822,34 +822,34 @@ def law_given(
             named = f", or contact={law.name!r} with {numbers}" * (law in MOTION_LAWS.values())
             axis = f", or make {word} an axis" * bool(swept)
             raise ParameterError(f"{word} is missing; give {as_called(law, *words)}{named}{axis}.")
-    return law(**own)
+    return law(**parameters)
 
 
-def refuse_misspelt(law: type[Contact], given: Collection[str]) -> None:
+def refuse_misspelt(law: type[Contact], arguments: Collection[str]) -> None:
     """Refuse a name that the law does not have, before a parameter that it has is missing.
 
     Parameters
     ----------
     law
         The law.
-    given
+    arguments
         Names that the caller gave.
     """
     names = [n for p in law.parameters for n in (p.name, *law.alternatives(p.name))]
-    for name in given:
+    for name in arguments:
         near = meant(name, names)
         if near and near != name:
             raise NameUnknownError(f"{shown(name)} is not an argument here; {near} is.")
 
 
 def law_only(
-    contact: Any, given: dict[str, Any], *, motion: bool = False, swept: Collection[str] = ()
+    contact: Any, values: dict[str, Any], *, motion: bool = False, swept: Collection[str] = ()
 ) -> Any:
     """The contact law of a call that takes no other numbers by name.
 
     Parameters
     ----------
-    contact, given, motion, swept
+    contact, values, motion, swept
         As for `law_given`.
 
     Returns
@@ -867,9 +867,9 @@ def law_only(
     >>> law_only("rough", {}).name
     'rough'
     """
-    law = law_given(contact, given, motion=motion, swept=swept)
-    for name in given:
-        refuse_misspelt(Viscous, given)
+    law = law_given(contact, values, motion=motion, swept=swept)
+    for name in values:
+        refuse_misspelt(Viscous, values)
         raise ParameterError(
             f"{shown(name)} is not an argument here; the disk's numbers go in disk=Disk(...), and "
             "in contact=Viscous(mu) or contact='viscous' with mu=NUMBER."
@@ -879,8 +879,8 @@ def law_only(
 
 def class_named(name: str, *, motion: bool = False) -> type[Contact]:
     """The class of a contact law by its name; arguments as in `law_named`."""
-    own = isinstance(name, str) and ":" in name
-    return law_class(_imported(name) if own else name, motion=motion)
+    of_module = isinstance(name, str) and ":" in name
+    return law_class(_imported(name) if of_module else name, motion=motion)
 
 
 def _imported(place: str) -> Any:
@@ -888,15 +888,15 @@ def _imported(place: str) -> Any:
     module, _, name = place.partition(":")
     if not all(part.isidentifier() for part in (*module.split("."), name)):
         raise NameUnknownError(f"contact is {shown(place)}; give `module:Class`.")
-    found = imported(
+    law_type = imported(
         "contact",
         place,
         lambda: getattr(import_module(module), name),
         os.getcwd(),
         "give a module on Python's path or in this folder, and a class in it",
     )
-    if not (isinstance(found, type) and issubclass(found, Contact) and found.name):
+    if not (isinstance(law_type, type) and issubclass(law_type, Contact) and law_type.name):
         raise NameUnknownError(
             f"contact is {shown(place)}, which is not a subclass of Contact with a name of its own."
         )
-    return found
+    return law_type

@@ -67,7 +67,7 @@ def _at(
     expressions: Sequence[ca.SX], lower: System, x: ca.SX, named: Mapping[str, ca.SX]
 ) -> list[ca.SX]:
     """Expressions of a lower order in the symbols of this one."""
-    given = [named[n] for n in lower.parameters]
-    p = ca.vertcat(*given) if given else ca.SX(0, 1)
-    found: list[ca.SX] = ca.substitute(list(expressions), [lower.x, lower.p], [x, p])
-    return found
+    parameters = [named[n] for n in lower.parameters]
+    p = ca.vertcat(*parameters) if parameters else ca.SX(0, 1)
+    values: list[ca.SX] = ca.substitute(list(expressions), [lower.x, lower.p], [x, p])
+    return values

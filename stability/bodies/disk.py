@@ -56,11 +56,11 @@ class Disk(Record):
     gravity: Number = ONE
     """Acceleration of free fall g [m/s²]."""
 
-    def __new__(cls, *given: Any, **named: Any) -> Self:
+    def __new__(cls, *numbers: Any, **named: Any) -> Self:
         """A disk; a single number without a name is likely to be meant as k."""
-        if len(given) == 1 and not named:
+        if len(numbers) == 1 and not named:
             raise ParameterError(
-                f"Disk({shown(given[0])}) gives the mass alone; give Disk(k=...) for the inertia "
+                f"Disk({shown(numbers[0])}) gives the mass alone; give Disk(k=...) for the inertia "
                 "factor, or mass, radius and gravity in SI units by name."
             )
         return super().__new__(cls)
@@ -196,32 +196,32 @@ class Disk(Record):
     @property
     def time(self) -> Number:
         """Unit of time √(R/g) [s]."""
-        found: Number = self.units.time
-        return found
+        unit: Number = self.units.time
+        return unit
 
     @property
     def rate(self) -> Number:
         """Unit of angular velocity and growth rate √(g/R) [1/s]."""
-        found: Number = self.units.rate
-        return found
+        unit: Number = self.units.rate
+        return unit
 
     @property
     def speed(self) -> Number:
         """Unit of speed √(gR) [m/s]."""
-        found: Number = self.units.speed
-        return found
+        unit: Number = self.units.speed
+        return unit
 
     @property
     def energy(self) -> Number:
         """Unit of energy m g R [J]."""
-        found: Number = self.units.energy
-        return found
+        unit: Number = self.units.energy
+        return unit
 
     @property
     def force(self) -> Number:
         """Unit of force m g [N]."""
-        found: Number = self.units.force
-        return found
+        unit: Number = self.units.force
+        return unit
 
     @cached_property
     def dimensionless(self) -> bool:

@@ -41,35 +41,35 @@ class DiskPolynomial(TabulatedPolynomial):
 
     Parameters
     ----------
-    known
+    exact
         Polynomial from `exact_polynomial`.
     """
 
-    def __init__(self, known: Exact) -> None:
-        super().__init__(known)
-        self.by_angle = FAMILIES[known.family].by_angle
-        self.borders = self.by_angle and not known.even
+    def __init__(self, exact: Exact) -> None:
+        super().__init__(exact)
+        self.by_angle = FAMILIES[exact.family].by_angle
+        self.borders = self.by_angle and not exact.even
 
     def point(self, values: Mapping[str, Any], algebra: Algebra) -> list[Any]:
         """Values of those of k, M, z and s that the polynomial depends on."""
         v = values
         length = v["radius"] / v["gravity"]
-        found = {"k": v["k"], "M": 1}
+        numbers = {"k": v["k"], "M": 1}
         if "mu" in v:
-            found["M"] = v["mu"] * v["mu"] * (v["gravity"] * v["radius"])
+            numbers["M"] = v["mu"] * v["mu"] * (v["gravity"] * v["radius"])
         elif "c" in v:
             drag = v["c"] / v["mass"]
-            found["M"] = drag * drag * length
+            numbers["M"] = drag * drag * length
         turn = next((n for n in ("phi_dot", "at") if n in v), None)
         if turn and "z" in self.known.variables:
             if turn == "phi_dot" and np.any(v[turn] == 0):
                 raise NoMemberError(
                     f"{self.known.family} has no member at phi_dot = 0; give another phi_dot."
                 )
-            found["z"] = v[turn] * v[turn] * length
+            numbers["z"] = v[turn] * v[turn] * length
         if "s" in self.known.variables:
-            found["s"] = self.sine(v, algebra)
-        return [found[n] for n in self.known.variables]
+            numbers["s"] = self.sine(v, algebra)
+        return [numbers[n] for n in self.known.variables]
 
     def sine(self, values: Mapping[str, Any], algebra: Algebra) -> Any:
         """Sine of theta, or of π/2 - lean."""
@@ -128,20 +128,20 @@ def exact_polynomial(family: str, law: str | Contact | type[Contact] | None = No
     Examples
     --------
     >>> import stability as st
-    >>> found = st.export.exact_polynomial("rolling", "viscous")
-    >>> found.zeros, [str(p) for _, p in found.conditions]
+    >>> polynomial = st.export.exact_polynomial("rolling", "viscous")
+    >>> polynomial.zeros, [str(p) for _, p in polynomial.conditions]
     (2, ['2*k*z - 1'])
     """
     family = known("family", family, FAMILIES)
-    kind, found = law_class(law, motion=False), None
+    kind, polynomial = law_class(law, motion=False), None
     if stored(kind):
-        found = known_polynomial(family, kind.name)
-    if found is None:
+        polynomial = known_polynomial(family, kind.name)
+    if polynomial is None:
         cases = ", ".join(key.replace(" ", " under ") for key in _catalogue())
         raise NameUnknownError(
             f"{shown(f'{family} {kind.name}')} has no polynomial; there is one for {cases}."
         )
-    return found
+    return polynomial
 
 
 def stored_laws() -> list[str]:
@@ -158,8 +158,8 @@ def stored(law: type[Contact]) -> bool:
 @lru_cache(maxsize=64)
 def disk_polynomial(family: str, law: type[Contact]) -> DiskPolynomial | None:
     """The stored polynomial of a family in a user's units; None where there is none."""
-    known = known_polynomial(family, law.name) if stored(law) else None
-    return None if known is None else DiskPolynomial(known)
+    exact = known_polynomial(family, law.name) if stored(law) else None
+    return None if exact is None else DiskPolynomial(exact)
 
 
 def known_polynomial(family: str, law: str) -> Exact | None:
@@ -181,8 +181,8 @@ def stored_cases(path: Traversable, derived: str) -> dict[str, Any]:
             f"{path.name} is not the file that was derived with this version; it is damaged or was "
             "edited. Install the package again, or derive it (make derive)."
         )
-    found: dict[str, Any] = json.loads(content)["cases"]
-    return found
+    cases: dict[str, Any] = json.loads(content)["cases"]
+    return cases
 
 
 def digest(content: bytes) -> str:

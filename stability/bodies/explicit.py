@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 import casadi as ca
 
 
-class Surface(NamedTuple):
+class ContactGeometry(NamedTuple):
     """What the equations need of a body at an inclination."""
 
     height: Any
@@ -48,7 +48,9 @@ class Surface(NamedTuple):
         return (omega3 - phi_dot * self.cosine) * self.outward + phi_dot * self.slope
 
 
-def surface(theta: ca.SX, height: ca.SX, transverse: Any, axial: Any, unit: Any = 1) -> Surface:
+def surface(
+    theta: ca.SX, height: ca.SX, transverse: Any, axial: Any, unit: Any = 1
+) -> ContactGeometry:
     """A body at a symbol θ; a disk without thickness, h = sinθ, has r = 1 and z = 0 exactly.
 
     Parameters
@@ -70,11 +72,11 @@ def surface(theta: ca.SX, height: ca.SX, transverse: Any, axial: Any, unit: Any 
     """
     s, c = ca.sin(theta), ca.cos(theta)
     if ca.is_equal(height, s, 1):
-        return Surface(unit * s, unit * c, -unit * s, unit, 0, s, c, transverse, axial)
+        return ContactGeometry(unit * s, unit * c, -unit * s, unit, 0, s, c, transverse, axial)
     slope = ca.jacobian(height, theta)
     arms = height * s + slope * c, height * c - slope * s
     h, first, second, r, z = (unit * v for v in (height, slope, ca.jacobian(slope, theta), *arms))
-    return Surface(h, first, second, r, z, s, c, transverse, axial)
+    return ContactGeometry(h, first, second, r, z, s, c, transverse, axial)
 
 
 class Explicit(NamedTuple):
@@ -99,7 +101,7 @@ def angular_velocity(x: ca.SX) -> list[ca.SX]:
 
 def explicit(
     x: ca.SX,
-    surface: Surface,
+    surface: ContactGeometry,
     force: Callable[[Sequence[Any], Any], Sequence[Any]],
     moment: Callable[[Sequence[Any], Any], Sequence[Any]] | None = None,
 ) -> Explicit:

@@ -116,8 +116,8 @@ class SteadyFamily:
     @property
     def line(self) -> bool:
         """Whether one number names a member of a disk and gives its states: motions may settle."""
-        known = self.solution is not None or not any(self.disk_unknown.values())
-        return len(self.at) == 1 and known and not self.pole
+        solved = self.solution is not None or not any(self.disk_unknown.values())
+        return len(self.at) == 1 and solved and not self.pole
 
     @property
     def by_angle(self) -> bool:

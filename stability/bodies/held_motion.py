@@ -38,11 +38,11 @@ def held_programs(x: ca.SX, p: ca.SX, rates: ca.SX, forces: ca.SX) -> tuple[Prog
     that does not slip, and with the slip of the viscous law and its rate those of that law
     (tests/bodies/test_held_motion.py).
     """
-    given = [x, p, SLIP, SLIP_RATE]
+    inputs = [x, p, SLIP, SLIP_RATE]
     motion = [ca.densify(rates), ca.densify(forces)]
     slope = ca.densify(ca.jacobian(rates, x))
-    return Program(ca.Function("held", given, motion)), Program(
-        ca.Function("slope", given, [slope])
+    return Program(ca.Function("held", inputs, motion)), Program(
+        ca.Function("slope", inputs, [slope])
     )
 
 
@@ -58,7 +58,7 @@ def held_in_angles(body: NewtonEuler, p: ca.SX) -> tuple[Program, Program]:
     """
     body.slip_rate = SLIP_RATE
     solved, _ = eliminate(*body.implicit_form(), body.pivots)
-    found = dict(zip(body.unknown_names, solved, strict=True))
-    rates = ca.vertcat(body.x[1], *(found[f"d_{n}"] for n in ("theta_dot", "phi_dot", "omega3")))
-    forces = ca.vertcat(found["force_x"], found["force_y"], found["normal"])
+    solution = dict(zip(body.unknown_names, solved, strict=True))
+    rates = ca.vertcat(body.x[1], *(solution[f"d_{n}"] for n in ("theta_dot", "phi_dot", "omega3")))
+    forces = ca.vertcat(solution["force_x"], solution["force_y"], solution["normal"])
     return held_programs(body.x, p, rates, forces)

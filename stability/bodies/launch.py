@@ -81,15 +81,15 @@ def launch(
     """
     if disk is not None and body is not None:
         raise ParameterError("body and disk are both given; give one of them.")
-    own = isinstance(body, Body)
-    names = [n for n, f in FAMILIES.items() if (len(f.at) == 1 if own else f.line)]
+    is_body = isinstance(body, Body)
+    names = [n for n, f in FAMILIES.items() if (len(f.at) == 1 if is_body else f.line)]
     record = FAMILIES[known("family", family, names)]
-    if not own and (theta is not None or pole is not None):
+    if not is_body and (theta is not None or pole is not None):
         raise ParameterError(
             "theta and pole belong to a stability.Body; leave them out for a disk."
         )
     shape = thin_body(_disk_of(record, disk)) if body is None else round_shape(body)
-    place = place_of(shape, family, theta, pole) if own else None
+    place = place_of(shape, family, theta, pole) if is_body else None
     if place is not None and not record.pole:
         _same_place(shape, family, place)
     where, lean = np.asarray(checked("at", at)), np.asarray(checked("tilt", tilt))
@@ -99,7 +99,7 @@ def launch(
         _inside(f"at of {family} is theta =", where, where, shape)
     rate = np.sqrt(np.asarray(shape.gravity) / shape.length)
     with np.errstate(all="ignore"):  # a member that does not exist is refused
-        if own:
+        if is_body:
             member = _member(shape, record, where, place, rate)
         else:
             member = record.member(np, where, shape.shape["k"], rate)
@@ -117,13 +117,13 @@ def launch(
     return six
 
 
-def _disk_of(record: SteadyFamily, given: Any) -> Disk:
-    if given is None and record.solution is not None:
+def _disk_of(record: SteadyFamily, disk: Any) -> Disk:
+    if disk is None and record.solution is not None:
         raise ParameterError(
             f"disk is missing; {', '.join(record.disk_unknown)} of {record.name} depends on the "
             "body: give disk=stability.Disk(...)."
         )
-    return Disk() if given is None else instance("disk", given, Disk, "give a stability.Disk")
+    return Disk() if disk is None else instance("disk", disk, Disk, "give a stability.Disk")
 
 
 def _check_solution(record: SteadyFamily, where: Floats, k: Any, rate: Any) -> None:

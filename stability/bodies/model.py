@@ -194,9 +194,9 @@ class Model:
         dimensionless
             Whether the body's units are all 1; not used for a user's system, which states units.
         """
-        known = self.quantities.get(name)
-        if known is not None:
-            return known.attributes(dimensionless=dimensionless)
+        quantity = self.quantities.get(name)
+        if quantity is not None:
+            return quantity.attributes(dimensionless=dimensionless)
         units, same = self.system.units, {"dissipated": "energy", "audit": "energy"}
         unit = time_unit(units) if name == "time" else units.get(same.get(name, name), "1")
         return {"long_name": name.replace("_", " "), "units": unit}

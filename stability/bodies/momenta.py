@@ -118,8 +118,8 @@ def pack(states: Floats) -> Floats:
     """
     theta, turning, phi_dot, omega3, slip_x, slip_y = np.moveaxis(states, -1, 0)
     s = np.sin(theta)
-    own = [theta, turning, phi_dot * s, omega3, slip_x + turning * s, slip_y - omega3]
-    return np.stack([*own, np.zeros_like(theta)], axis=-1)
+    momenta = [theta, turning, phi_dot * s, omega3, slip_x + turning * s, slip_y - omega3]
+    return np.stack([*momenta, np.zeros_like(theta)], axis=-1)
 
 
 def report(z: Floats) -> Floats:

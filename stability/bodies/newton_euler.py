@@ -18,7 +18,7 @@ from typing import Any, Protocol
 import casadi as ca
 
 from ..base.errors import ParameterError, shown
-from .explicit import Surface, angular_velocity
+from .explicit import ContactGeometry, angular_velocity
 from .resistance import Resistance, total_moment
 
 STATES = ("theta", "theta_dot", "phi_dot", "omega3", "slip_x", "slip_y")
@@ -65,7 +65,7 @@ class NewtonEuler:
     def __init__(
         self,
         x: ca.SX,
-        surface: Surface,
+        surface: ContactGeometry,
         law: StatedLaw,
         slips: bool,
         slip: list[ca.SX] | None = None,
@@ -145,12 +145,12 @@ class NewtonEuler:
 
     def _stated(self) -> list[Any]:
         """The force that the law states, which must be two expressions."""
-        found = self.law.force(self.slip, self.normal)
-        if isinstance(found, (list, tuple)) and len(found) == 2:
+        force = self.law.force(self.slip, self.normal)
+        if isinstance(force, (list, tuple)) and len(force) == 2:
             with suppress(NotImplementedError, TypeError):  # CasADi's errors for another type
-                return [ca.SX(f) for f in found]
+                return [ca.SX(f) for f in force]
         raise ParameterError(
-            f"the force of the {self.law.name} law is {shown(found)}; give a list of two "
+            f"the force of the {self.law.name} law is {shown(force)}; give a list of two "
             "expressions."
         )
 
@@ -159,10 +159,10 @@ class NewtonEuler:
         rates = [self.x[1], self.d_theta_dot, self.d_phi_dot, self.d_omega3]
         if self.slips:
             rates += self.extra
-        found = ca.jtimes(expression, self.x, ca.vertcat(*rates))
+        slope = ca.jtimes(expression, self.x, ca.vertcat(*rates))
         if self.slip_rate is not None:
-            found += ca.jtimes(expression, ca.vertcat(*self.slip), self.slip_rate)
-        return found
+            slope += ca.jtimes(expression, ca.vertcat(*self.slip), self.slip_rate)
+        return slope
 
     def implicit_form(self) -> tuple[ca.SX, ca.SX]:
         """The mass matrix and forcing of m s̈ = -mgẑ + force, L̇ = a × force."""

@@ -41,8 +41,8 @@ class PainleveLimit:
     Examples
     --------
     >>> import stability as st
-    >>> found = st.painleve_limit(st.Torus(0.2))
-    >>> found.low <= found.middle <= found.high, round(found.theta, 3)
+    >>> limit = st.painleve_limit(st.Torus(0.2))
+    >>> limit.low <= limit.middle <= limit.high, round(limit.theta, 3)
     (True, 1.017)
     """
 
@@ -102,8 +102,8 @@ def painleve_limit(body: Body | Disk) -> PainleveLimit:
         raise ParameterError("Painlevé's limit needs one number for each quantity of the body.")
     with precision(128):
         low, high = (_exact(v) for v in shape.between)
-        found = _enclosed(_program(shape), low, high, shape)
-    return replace(found, approximation=of_fit(shape.name, getattr(shape.height, "error", 0.0)))
+        limit = _enclosed(_program(shape), low, high, shape)
+    return replace(limit, approximation=of_fit(shape.name, getattr(shape.height, "error", 0.0)))
 
 
 def _exact(value: float) -> arb:
@@ -112,18 +112,18 @@ def _exact(value: float) -> arb:
 
 def _program(body: RoundShape) -> Any:
     """G = h h′/(I1 + h′²) and its slope, as a function of a ball."""
-    theta, *own = (ca.SX.sym(n) for n in ("theta", *body.shape))
-    h = ca.SX(body.height(theta, *own))
+    theta, *symbols = (ca.SX.sym(n) for n in ("theta", *body.shape))
+    h = ca.SX(body.height(theta, *symbols))
     slope = ca.jacobian(h, theta)
     moment = body.transverse
-    inertia = ca.SX(moment(*own)) if callable(moment) else ca.SX(float(moment))
+    inertia = ca.SX(moment(*symbols)) if callable(moment) else ca.SX(float(moment))
     g = h * slope / (inertia + slope**2)
-    program = Program(ca.Function("g", [ca.vertcat(theta, *own)], [g, ca.jacobian(g, theta)]))
+    program = Program(ca.Function("g", [ca.vertcat(theta, *symbols)], [g, ca.jacobian(g, theta)]))
     numbers = [arb(fmpq(*float(v).as_integer_ratio())) for v in body.shape.values()]
 
     def values(place: arb) -> tuple[arb, arb]:
-        found = program.run(balls(), [[place, *numbers]])
-        value, slope = (arb(f[0]) if f else arb(0) for f in found)
+        outputs = program.run(balls(), [[place, *numbers]])
+        value, slope = (arb(f[0]) if f else arb(0) for f in outputs)
         return value, slope
 
     return values

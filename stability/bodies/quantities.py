@@ -69,12 +69,12 @@ def disk_quantities(law: type[Contact] | None = None) -> Mapping[str, Quantity]:
     """The quantities under a contact law, with those of its parameters."""
     if law is None:
         return QUANTITIES
-    own = {}
+    of_law = {}
     for p in law.parameters:
-        known = QUANTITIES.get(p.name) or Quantity(p.name, p.name, p.name, p.kind)
+        quantity = QUANTITIES.get(p.name) or Quantity(p.name, p.name, p.name, p.kind)
         leads = p.place == law.parameters[0].place
-        own[p.name] = replace(known, kind=p.kind, formula=law.formula if leads else "")
-    return {**QUANTITIES, **own}
+        of_law[p.name] = replace(quantity, kind=p.kind, formula=law.formula if leads else "")
+    return {**QUANTITIES, **of_law}
 
 
 def quantities_of(system: str) -> Mapping[str, Quantity]:
@@ -127,16 +127,22 @@ def round_quantities(
     Examples
     --------
     >>> from stability.bodies.contact_laws import Rough
-    >>> found = round_quantities("torus", Rough, ["tube"], ["tube", "omega3"])
-    >>> [q.symbol for q in found.values()]
+    >>> quantities = round_quantities("torus", Rough, ["tube"], ["tube", "omega3"])
+    >>> [q.symbol for q in quantities.values()]
     ['b', 'ω₃']
     """
     if body == THIN:
         return disk_quantities(law)
-    known = {**disk_quantities(law), **{q.name: q for q in _OWN}}
+    quantities = {**disk_quantities(law), **{q.name: q for q in _OWN}}
     for name in ("slip_x", "slip_y"):  # of the disk, these words name its sides
-        known[name] = replace(known[name], long_name=known[name].long_name.split(",")[0])
+        quantities[name] = replace(
+            quantities[name], long_name=quantities[name].long_name.split(",")[0]
+        )
     for name in shape:
-        own = _SHAPES.get(body)
-        known[name] = own if own and own.name == name else Quantity(name, "", name, Kind.NUMBER)
-    return {n: known.get(n, Quantity(n, "", n, Kind.NUMBER)) for n in names}
+        of_shape = _SHAPES.get(body)
+        quantities[name] = (
+            of_shape
+            if of_shape and of_shape.name == name
+            else Quantity(name, "", name, Kind.NUMBER)
+        )
+    return {n: quantities.get(n, Quantity(n, "", n, Kind.NUMBER)) for n in names}

@@ -72,7 +72,7 @@ class Resistance(Record):
         >>> st.AirTorque(6.0).dimensionless({"N": 2.0, "m": 0.5, "s": 3.0})
         2.0
         """
-        found = self.value
+        value = self.value
         for word in self.unit.split():
             if word == "1":
                 continue
@@ -81,8 +81,8 @@ class Resistance(Record):
                     f"the unit of {self.coefficient} is {shown(self.unit)}; give a product of "
                     f"{', '.join(units)}, or 1."
                 )
-            found = found / units[word]
-        return found
+            value = value / units[word]
+        return value
 
     def moment(self, turn: Sequence[Any], normal: Any, value: Any) -> list[Any]:  # noqa: ARG002
         """Moment on the body along two horizontal axes and the vertical.
@@ -214,12 +214,12 @@ RESISTANCES = {
 """The package's resistances by name, as in files and options."""
 
 
-def resistances(given: Any) -> tuple[Resistance, ...]:
+def resistances(argument: Any) -> tuple[Resistance, ...]:
     """Resistances of a call: none, one, or several of different kinds.
 
     Parameters
     ----------
-    given
+    argument
         None, a `Resistance`, or a sequence of them.
 
     Raises
@@ -232,17 +232,19 @@ def resistances(given: Any) -> tuple[Resistance, ...]:
     >>> [r.name for r in resistances([AirTorque(0.1), RollingResistance(0.2)])]
     ['air torque', 'rolling resistance']
     """
-    found = () if given is None else (given,) if isinstance(given, Resistance) else given
-    if not isinstance(found, Sequence) or not all(isinstance(r, Resistance) for r in found):
+    every = (
+        () if argument is None else (argument,) if isinstance(argument, Resistance) else argument
+    )
+    if not isinstance(every, Sequence) or not all(isinstance(r, Resistance) for r in every):
         raise ParameterError(
-            f"resistance is {shown(given)}; give RollingResistance(rho), PivotingResistance(sigma) "
-            "or AirTorque(drag), or a list of these."
+            f"resistance is {shown(argument)}; give RollingResistance(rho), "
+            "PivotingResistance(sigma) or AirTorque(drag), or a list of these."
         )
-    names = [r.coefficient for r in found]
+    names = [r.coefficient for r in every]
     double = {n for n in names if names.count(n) > 1}
     if double:
         raise ParameterError(f"two resistances have the coefficient {min(double)}; give one.")
-    return tuple(found)
+    return tuple(every)
 
 
 def total_moment(
@@ -265,11 +267,11 @@ def total_moment(
     total: list[Any] = [0, 0, 0]
     for kind, value in against:
         form = kind.__new__(kind)  # only its formula is used, never its coefficient
-        found = form.moment(turn, normal, value)
-        if not isinstance(found, (tuple, list)) or len(found) != 3:
+        moment = form.moment(turn, normal, value)
+        if not isinstance(moment, (tuple, list)) or len(moment) != 3:
             raise ParameterError(
-                f"the moment of {kind.name or kind.__name__} is {shown(found)}; give a list of "
+                f"the moment of {kind.name or kind.__name__} is {shown(moment)}; give a list of "
                 "three, along two horizontal axes and the vertical."
             )
-        total = [a + b for a, b in zip(total, found, strict=True)]
+        total = [a + b for a, b in zip(total, moment, strict=True)]
     return total

@@ -240,10 +240,10 @@ def disk_family(name: str, law: str | Contact | type[Contact] | None = None) -> 
     contact = law_class(law, motion=False)
     word = contact.name
     if record.law and (record.law != word or not stored(contact)):
-        own = families_under(word if stored(contact) else "")
+        families = families_under(word if stored(contact) else "")
         raise NameUnknownError(
             f"{name} is a family of the {record.law} disk; steady motions under the {word} law are "
-            f"{listed([f.name for f in own])}."
+            f"{listed([f.name for f in families])}."
         )
     return _disk_family(record, contact)  # type: ignore[arg-type]  # a class is hashable
 
@@ -270,7 +270,7 @@ def _disk_family(record: SteadyFamily, law: type[Contact]) -> Family:
 
 
 def family_by_name(
-    family: Any, body: Any, contact: Any, given: Collection[str], word: str = "family"
+    family: Any, body: Any, contact: Any, numbers: Collection[str], word: str = "family"
 ) -> Any:
     """A family of a call that keeps every number as a variable: by its name, or as it is.
 
@@ -282,7 +282,7 @@ def family_by_name(
         A `Body` or `Disk`; the disk when None.
     contact
         A law, its name or its class; None counts as viscous where `mu` is given, as in `spectrum`.
-    given
+    numbers
         Names of the numbers that the caller gave.
     word
         Name of the argument of the family.
@@ -305,7 +305,7 @@ def family_by_name(
                     f"{shown(family)}."
                 )
         return family
-    contact = Viscous if contact is None and "mu" in given else contact
+    contact = Viscous if contact is None and "mu" in numbers else contact
     shape = _revolved(body, None, {})
     if shape is None:
         return disk_family(family, contact)
@@ -391,23 +391,23 @@ def _revolved(body: Any, disk: Any, numbers: dict[str, Any]) -> RoundShape | Non
 
 def _refuse_words(family: Family, words: Mapping[str, Any]) -> None:
     """Refuse what belongs to families by name."""
-    given = [word for word, value in words.items() if value is not None]
-    if "body" in given:
+    stated = [word for word, value in words.items() if value is not None]
+    if "body" in stated:
         raise ParameterError(
             f"body belongs to families by name; {family.name} is a family of "
             f"{family.system.name}, which has its own equations."
         )
-    for word in given:
+    for word in stated:
         if word in family.parameters:
             raise ParameterError(
                 f"{word} is an argument of the disk here; give the parameter {word} of "
                 f"{family.name} as parameters={{{word!r}: …}}."
             )
-    if "lean" in given:
+    if "lean" in stated:
         raise ParameterError(f"lean belongs to families of the disk; {family.name} takes at.")
-    if given:
+    if stated:
         raise ParameterError(
-            f"{' and '.join(given)} belong{'s' * (len(given) == 1)} to the disk's families; "
+            f"{' and '.join(stated)} belong{'s' * (len(stated) == 1)} to the disk's families; "
             f"{family.name} takes {', '.join(family.parameters) or 'no parameters'}."
         )
 
@@ -551,15 +551,15 @@ def _of_body(
         pole=pole,
         resistance=tuple(type(r) for r in against),
     )
-    own = body.given | coefficients | {r.coefficient: r.value for r in against}
+    values = body.given | coefficients | {r.coefficient: r.value for r in against}
     for number in numbers:
-        if number in own:
+        if number in values:
             owner = f"the {law.name} law" if number in coefficients else body.name
             raise ParameterError(f"{number} is {owner}'s own number; give it there alone.")
     _refuse_words(family, {"lean": lean})
-    own = {n: own[n] for n in family.system.parameters if n not in axes}
+    values = {n: values[n] for n in family.system.parameters if n not in axes}
     subject = Subject(family, family.at, {}, {}, body=body, law=law, record=record)
-    return _with_numbers(subject, at, own | _opened(family, numbers), axes, whole=whole)
+    return _with_numbers(subject, at, values | _opened(family, numbers), axes, whole=whole)
 
 
 def _survives(

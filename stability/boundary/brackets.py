@@ -142,10 +142,10 @@ class AxisCrossing:
     Examples
     --------
     >>> import stability as st
-    >>> [one, _] = st.boundaries(
+    >>> [change, _] = st.boundaries(
     ...     "spinning", axis=("at", 0.1, 5, 9), contact=st.Viscous(0.97), every=True
     ... )
-    >>> one.value, one.crossing.word, one.unstable_below, one.unstable_above
+    >>> change.value, change.crossing.word, change.unstable_below, change.unstable_above
     (2.0, 'static', 1, 0)
     """
 
@@ -306,8 +306,8 @@ class AxisPoints(Sequence[PointT], ABC):
         Examples
         --------
         >>> import stability as st
-        >>> found = st.boundaries("rolling", axis=("at", 1, 2, 9), contact=st.Viscous(0.3))
-        >>> found.to_csv().splitlines()[0]
+        >>> changes = st.boundaries("rolling", axis=("at", 1, 2, 9), contact=st.Viscous(0.3))
+        >>> changes.to_csv().splitlines()[0]
         'at [√(g/R)],error [√(g/R)],crossing,verdict,side,frequency [√(g/R)]'
         """
         return csv_text(*self.flat())
@@ -378,10 +378,10 @@ class Boundaries(AxisPoints[BoundaryPoint]):
     Examples
     --------
     >>> import stability as st
-    >>> found = st.boundaries("rolling", axis=("at", 0.1, 1, 9), contact=st.Smooth())
-    >>> len(found), found[0].value, found.complete, found.unresolved
+    >>> changes = st.boundaries("rolling", axis=("at", 0.1, 1, 9), contact=st.Smooth())
+    >>> len(changes), changes[0].value, changes.complete, changes.unresolved
     (1, 1.0, True, ())
-    >>> found == [found[0]], bool(found)
+    >>> changes == [changes[0]], bool(changes)
     (True, True)
     """
 
@@ -425,8 +425,8 @@ class Crossings(AxisPoints[AxisCrossing]):
     Examples
     --------
     >>> import stability as st
-    >>> found = st.boundaries("rolling", axis=("at", 0.1, 5, 9), contact=st.Viscous(1), every=True)
-    >>> [(c.unstable_below, c.unstable_above) for c in found], found.complete
+    >>> edges = st.boundaries("rolling", axis=("at", 0.1, 5, 9), contact=st.Viscous(1), every=True)
+    >>> [(c.unstable_below, c.unstable_above) for c in edges], edges.complete
     ([(1, 2), (2, 0)], True)
     """
 
@@ -553,20 +553,24 @@ class AxisScan:
         self._proofs: dict[float, tuple[Verdict, bool]] = {}
         self._formulas: dict[int, RepeatedBalls] = {}
 
-    def given(self, value: Any) -> tuple[list[Any], list[Any]]:
+    def numbers_at(self, value: Any) -> tuple[list[Any], list[Any]]:
         """Family parameters and parameters at a number, a ball or a series of the axis."""
         return self.problem.balls(self.fixed | {self.axis: value})
 
     def followed(self, values: Sequence[Any]) -> list[list[float] | None]:
         """Unknowns of many members in double precision, followed all at once; None without one."""
         with precision(BITS):
-            given = [self.given(arb(v)) for v in values]
+            parameters = [self.numbers_at(arb(v)) for v in values]
         a, q = (
-            np.array([[float(v.mid()) for v in pair[i]] for pair in given]).reshape(len(given), -1)
+            np.array([[float(v.mid()) for v in pair[i]] for pair in parameters]).reshape(
+                len(parameters), -1
+            )
             for i in (0, 1)
         )
-        found = self.problem.family.search(a, q)
-        return [u.tolist() if good else None for good, u in zip(found.good, found.u, strict=True)]
+        members = self.problem.family.search(a, q)
+        return [
+            u.tolist() if good else None for good, u in zip(members.good, members.u, strict=True)
+        ]
 
     def rate(self, value: float) -> float:
         """The user's unit of rate."""
@@ -589,11 +593,11 @@ class AxisScan:
         """The same for every value in a ball; not cached."""
         family = self.problem.family
         with precision(bits):
-            a, q = self.given(value)
-            known = self.formulas
-            if known is not None:
-                formulas = self._formulas.setdefault(bits, RepeatedBalls(known))
-                return known.polynomial(a, q, formulas)
+            a, q = self.numbers_at(value)
+            form = self.formulas
+            if form is not None:
+                formulas = self._formulas.setdefault(bits, RepeatedBalls(form))
+                return form.polynomial(a, q, formulas)
             if not family.unknown or family.closed:
                 return characteristic(family, a, q)
             # a member that is not unique is found from the family's guess alone
@@ -615,10 +619,10 @@ class AxisScan:
         exact = self.problem.exact
         if not isinstance(exact, TabulatedPolynomial):
             return None
-        given = {n: arb(v) for n, v in self.problem.rationals(self.fixed).items()}
-        given[self.axis] = arb(float(value))
-        scale = arb(exact.natural(exact.point(given, MIXED))).sqrt()
-        factors = exact.coefficients(given, MIXED)
+        values = {n: arb(v) for n, v in self.problem.rationals(self.fixed).items()}
+        values[self.axis] = arb(float(value))
+        scale = arb(exact.natural(exact.point(values, MIXED))).sqrt()
+        factors = exact.coefficients(values, MIXED)
         scaled = [[c / scale**i for i, c in enumerate(factor)] for factor in factors]
         return [arb(0)] * exact.zeros + product(scaled)
 
@@ -642,7 +646,8 @@ class AxisScan:
             return True
         with precision(BITS):
             places = [
-                self.given(v) for v in (arb(middle), arb(low).union(arb(high)), arb(low), arb(high))
+                self.numbers_at(v)
+                for v in (arb(middle), arb(low).union(arb(high)), arb(low), arb(high))
             ]
             return in_one_box(self.problem.family, *places)
 
@@ -658,11 +663,11 @@ class AxisScan:
         """Verdict in the search for a bracket, as `sign`; structural zeros may lack a proof."""
         return self.sign_of(*self.look(value))
 
-    def sign_of(self, found: Verdict, generic: bool) -> int:
+    def sign_of(self, verdict: Verdict, generic: bool) -> int:
         """A verdict as a sign."""
-        if found is Verdict.NEUTRAL:
+        if verdict is Verdict.NEUTRAL:
             return int(generic if self.neutral is None else self.neutral)
-        return 1 if found in DECAYING else -int(found is Verdict.UNSTABLE)
+        return 1 if verdict in DECAYING else -int(verdict is Verdict.UNSTABLE)
 
     def look(self, value: float) -> tuple[Verdict, bool]:
         """The verdict for `quick_sign`; if neutral, whether verdicts on one side may be too."""
@@ -671,9 +676,9 @@ class AxisScan:
             with precision(BITS):
                 dropped = self.coefficients(value, BITS)[: structure(family).zeros]
                 if all(c.contains(0) for c in dropped):
-                    found = by_routh(family, self.coefficients(value, BITS), len(dropped))
-                    if found is not None:
-                        return found, self.even
+                    verdict = by_routh(family, self.coefficients(value, BITS), len(dropped))
+                    if verdict is not None:
+                        return verdict, self.even
         return self._proved(value)
 
     def _proved(self, value: float) -> tuple[Verdict, bool]:
@@ -816,12 +821,12 @@ def bracketed(
 
     `sure` says that what crosses is proved.
     """
-    found = bracket(line.sign, root)
-    if found is None or not line.joined(root - found[0], root, root + found[0]):
+    proof = bracket(line.sign, root)
+    if proof is None or not line.joined(root - proof[0], root, root + proof[0]):
         return None  # from one branch to another the verdict changes without a crossing
     if crossing is not Crossing.STATIC and not sure:  # real eigenvalues may cross two at a time
-        crossing = line.vanishing(root, found[0], crossing)
-    return BoundaryPoint(root, found[0], crossing, crossing_rate(line, root, crossing), found[1])
+        crossing = line.vanishing(root, proof[0], crossing)
+    return BoundaryPoint(root, proof[0], crossing, crossing_rate(line, root, crossing), proof[1])
 
 
 def crossing_rate(line: AxisScan, root: float, crossing: Crossing) -> float:

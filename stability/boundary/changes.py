@@ -145,8 +145,8 @@ def boundaries(
     Examples
     --------
     >>> import stability as st
-    >>> found = st.boundaries("spinning", axis=("at", 0.1, 5, 9), contact=st.Viscous(0.97))
-    >>> [(round(b.value, 10), b.crossing.word) for b in found], found.complete
+    >>> changes = st.boundaries("spinning", axis=("at", 0.1, 5, 9), contact=st.Viscous(0.97))
+    >>> [(round(b.value, 10), b.crossing.word) for b in changes], changes.complete
     ([(2.0, 'static'), (2.0451355787, 'flutter')], True)
 
     >>> law = st.Viscous(1)
@@ -163,20 +163,22 @@ def boundaries(
         crossings.warn(grid.name)
         return crossings
     fixed = {n: float(v) for n, v in problem.values.items() if n != grid.name}
-    found = along(problem, grid.name, grid.low, grid.high, points=grid.count, log=grid.log)
+    changes = along(problem, grid.name, grid.low, grid.high, points=grid.count, log=grid.log)
 
     @cache
     def regular() -> Problem:
         line = AxisScan(problem, grid.name, fixed)
         return _past_branch_points(line, grid.values)[0].problem
 
-    found = replace(
-        _described(problem, grid, found),
-        points=tuple(replace(b, good=_good(regular, problem, fixed, grid.name, b)) for b in found),
-        throughout=_throughout(problem, fixed, grid.name, found, (grid.low, grid.high)),
+    changes = replace(
+        _described(problem, grid, changes),
+        points=tuple(
+            replace(b, good=_good(regular, problem, fixed, grid.name, b)) for b in changes
+        ),
+        throughout=_throughout(problem, fixed, grid.name, changes, (grid.low, grid.high)),
     )
-    found.warn(grid.name)
-    return found
+    changes.warn(grid.name)
+    return changes
 
 
 def every_along(problem: Problem, grid: Axis) -> Crossings:
@@ -184,16 +186,16 @@ def every_along(problem: Problem, grid: Axis) -> Crossings:
     fixed = {n: float(v) for n, v in problem.values.items() if n != grid.name}
     line = AxisScan(problem, grid.name, fixed)
     searches = every_crossing, crossings_in_pieces
-    found = _along(line, grid.low, grid.high, grid.count, log=grid.log, searches=searches)
-    return meaningful(line, grid.low, grid.high, found)
+    crossings = _along(line, grid.low, grid.high, grid.count, log=grid.log, searches=searches)
+    return meaningful(line, grid.low, grid.high, crossings)
 
 
-def _described(problem: Problem, grid: Axis, found: Points) -> Points:
+def _described(problem: Problem, grid: Axis, result: Points) -> Points:
     """A result with what was searched, units, and what to cite."""
     law = problem.law.name if problem.law else None
     return replace(
-        found,
-        how=problem.family.system.qualified(found.how),
+        result,
+        how=problem.family.system.qualified(result.how),
         searched=(grid.name, grid.low, grid.high),
         citation=cited(law, model=of_package(problem), proofs=True),
         unit=unit_of(axis_attributes(problem, grid.name)),
@@ -224,16 +226,16 @@ def _throughout(
     problem: Problem,
     fixed: Mapping[str, float],
     axis: str,
-    found: Boundaries,
+    changes: Boundaries,
     ends: tuple[float, float],
 ) -> Verdict | None:
     """The verdict on the whole axis, where it is proved not to change and to be known."""
-    if found.points or not found.complete:
+    if changes.points or not changes.complete:
         return None
     low, high = ends
     for share in SHARES:
         value = low + share * (high - low)
-        if value in found.touching:
+        if value in changes.touching:
             continue
         with suppress(StabilityError):
             verdict = certified(problem, {**fixed, axis: value})
@@ -283,14 +285,14 @@ def along(
         raise ParameterError(f"the scan from {low} to {high} with {points} points is empty.")
     fixed = {n: float(v) for n, v in problem.values.items() if n != axis}
     line = AxisScan(problem, axis, fixed)
-    found = None
+    changes = None
     if line.formulas is not None:  # a piece that is proved has members that are proved
-        found = proved(line, Axis(axis, low, high, points, log).values, log=log)
-    if found is None or not found.complete:
+        changes = proved(line, Axis(axis, low, high, points, log).values, log=log)
+    if changes is None or not changes.complete:
         either = searched, proved
         whole = _along(line, low, high, points, log=log, searches=either)
-        found = meaningful(line, low, high, whole)
-    return replace(found, points=tuple(crossed(line, point) for point in found))
+        changes = meaningful(line, low, high, whole)
+    return replace(changes, points=tuple(crossed(line, point) for point in changes))
 
 
 def _along(
@@ -316,15 +318,15 @@ def _along(
     line.__dict__["formulas"] = None
     values = Axis(line.axis, low, high, points, log).values
     other, said, near = _past_branch_points(line, values)
-    found = searches[1](other, values, log=log, singular=near)
+    result = searches[1](other, values, log=log, singular=near)
     reason = said + reason
-    if not found.complete:
+    if not result.complete:
         if exact is None:
             with suppress(NotExact, UnclearError):
                 exact = searches[0](line, low, high, MOST_DIGITS)
         if exact is not None:
             return exact
-    return replace(found, how=found.how + reason)
+    return replace(result, how=result.how + reason)
 
 
 def _past_branch_points(line: AxisScan, values: Floats) -> tuple[AxisScan, str, dict[float, str]]:
@@ -341,14 +343,14 @@ def _past_branch_points(line: AxisScan, values: Floats) -> tuple[AxisScan, str, 
     if not problem.plain or not family.unknown or family.closed or family.anchor is None:
         return line, "", singular
     *numbers, _, _ = problem.arrays({**line.fixed, line.axis: values})
-    given = np.hstack(numbers)
-    found = family.search(*numbers)
-    rows = np.flatnonzero(found.good)
+    parameters = np.hstack(numbers)
+    members = family.search(*numbers)
+    rows = np.flatnonzero(members.good)
     if len(rows) < 2:
         return line, "", singular
-    cut, turn = len(family.at), (given[-1] - given[0]) / (values[-1] - values[0])
-    curve = Curve(family.graph, cut, given[0] - values[0] * turn, turn)
-    z = np.column_stack([found.u[rows], values[rows]])
+    cut, turn = len(family.at), (parameters[-1] - parameters[0]) / (values[-1] - values[0])
+    curve = Curve(family.graph, cut, parameters[0] - values[0] * turn, turn)
+    z = np.column_stack([members.u[rows], values[rows]])
     for point, _ in crossings(curve, z):
         both = directions(curve, point) if point.resolved else None
         if both is None:

@@ -35,7 +35,7 @@ AROUND = np.array([(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)], dtype=float)
 """Nine places of a stencil, shape (axis, place, 1)."""
 
 
-class Placed(NamedTuple):
+class PlacedPoint(NamedTuple):
     """A boundary point in the plane of a map."""
 
     point: BoundaryPoint
@@ -59,7 +59,7 @@ class Turn(NamedTuple):
 class Saddle(NamedTuple):
     """A saddle of the function that vanishes on boundary curves."""
 
-    place: Placed
+    place: PlacedPoint
     """Its place; the error bounds how far the curves pass it where they cross."""
     sign: int
     """Verdict there, 1 or -1; 0 where two curves cross."""
@@ -68,7 +68,7 @@ class Saddle(NamedTuple):
     cell: tuple[float, float]
     """Widths of the cell."""
 
-    def angle(self, other: Placed) -> float:
+    def angle(self, other: PlacedPoint) -> float:
         """Direction of a point."""
         x, y = ((other.place(k) - self.place.place(k)) / self.cell[k] for k in (0, 1))
         return math.atan2(y, x)
@@ -99,9 +99,9 @@ def saddles(
     grid
         Values of both axes.
     """
-    found: list[Saddle | None] = [None] * len(turns)
+    resolved: list[Saddle | None] = [None] * len(turns)
     if not 1 < len(turns) <= MOST or not polynomials.readable:
-        return found
+        return resolved
     place = np.array(turns).T
     first = (np.searchsorted(g, v).clip(1, len(g) - 1) for g, v in zip(grid, place, strict=True))
     cell = np.array([np.diff(g)[k - 1] for g, k in zip(grid, first, strict=True)])
@@ -110,8 +110,8 @@ def saddles(
     if len(some):
         with np.errstate(all="ignore"), suppress(StabilityError, ArithmeticError):
             for k, saddle in _resolved(polynomials, place[:, some], cell[:, some]):
-                found[some[k]] = saddle
-    return found
+                resolved[some[k]] = saddle
+    return resolved
 
 
 def _resolved(
@@ -151,7 +151,7 @@ def _resolved(
         error = float((reach * cell)[0, k])
         point = BoundaryPoint(float(place[0, k]), error, kind, float(frequency[k]), False)
         sign = 0 if crossed[k] else int(signs[0, k])
-        placed = Placed(point, 0, float(place[1, k]))
+        placed = PlacedPoint(point, 0, float(place[1, k]))
         yield int(k), Saddle(placed, sign, float(turn[k]), (float(cell[0, k]), float(cell[1, k])))
 
 
@@ -161,16 +161,16 @@ def _resolved(
 class Arm(NamedTuple):
     """A piece of a curve between two saddles, or between one and an end."""
 
-    points: list[Placed]
+    points: list[PlacedPoint]
     ends: tuple[int | None, int | None]
     """Number of the saddle at its first and last point."""
 
 
 def linked(
-    curves: Sequence[Sequence[Placed | Turn]],
+    curves: Sequence[Sequence[PlacedPoint | Turn]],
     polynomials: GridPolynomials,
     grid: tuple[Floats, Floats],
-) -> list[list[Placed]]:
+) -> list[list[PlacedPoint]]:
     """Curves that go straight on where two of them cross.
 
     Parameters
@@ -185,7 +185,7 @@ def linked(
     for k, saddle in enumerate(saddles(polynomials, turns, grid)):
         if saddle is not None:
             place = saddle.place.place(0), saddle.place.place(1)
-            same = [some for one, some in groups if one.far(place) < SAME]
+            same = [some for earlier, some in groups if earlier.far(place) < SAME]
             same[0].append(k) if same else groups.append((saddle, [k]))
     groups = [
         (saddle, sorted(some, key=lambda k: saddle.far(turns[k]))[:2])
@@ -210,14 +210,14 @@ def linked(
 
 
 def _arms(
-    curve: Sequence[Placed | Turn], number: dict[int, int], order: Iterator[int]
+    curve: Sequence[PlacedPoint | Turn], number: dict[int, int], order: Iterator[int]
 ) -> list[Arm]:
     """A curve cut at saddles, by the numbers of the turns."""
     arms: list[Arm] = []
-    points: list[Placed] = []
+    points: list[PlacedPoint] = []
     start: int | None = None
     for place in curve:
-        if isinstance(place, Placed):
+        if isinstance(place, PlacedPoint):
             points.append(place)
         elif (saddle := number.get(next(order))) is not None:
             arms.append(Arm(points, (start, saddle)))
@@ -230,21 +230,21 @@ def _arms(
 
 
 def _joined(
-    arms: list[Arm], partner: dict[tuple[int, int], tuple[int, int]], found: list[Saddle]
-) -> list[list[Placed]]:
+    arms: list[Arm], partner: dict[tuple[int, int], tuple[int, int]], saddles: list[Saddle]
+) -> list[list[PlacedPoint]]:
     """Arms in a row, each with its partner at a saddle."""
     curves, left = [], set(range(len(arms)))
     for i in sorted(left, key=lambda i: None not in arms[i].ends):  # closed curves last
         if i not in left:
             continue
         end = int(arms[i].ends[0] is not None and arms[i].ends[1] is None)
-        points: list[Placed] = []
+        points: list[PlacedPoint] = []
         while i in left:
             left.remove(i)
             points += arms[i].points[::-1] if end else arms[i].points
             leaving, at = (i, 1 - end), arms[i].ends[1 - end]
             if at is not None:
-                points += [found[at].place] if not found[at].sign else []
+                points += [saddles[at].place] if not saddles[at].sign else []
                 i, end = partner[leaving]
                 if i not in left:
                     points.append(points[0])

@@ -15,7 +15,7 @@ from ..base.types import Floats, Progress
 from ..base.verdict import CODES, DECAYING, NO_MEMBER, Verdict
 from ..spectra.problem import Problem
 from .brackets import AxisScan, BoundaryPoint, Crossing, refine
-from .curve_crossings import Placed, Turn, linked
+from .curve_crossings import PlacedPoint, Turn, linked
 from .grid_edges import Edges, GridPolynomials, bracketed
 
 KINDS = {crossing: crossing.code for crossing in Crossing}
@@ -93,13 +93,13 @@ def trace(
     lines = contour_generator(z=sign, line_type=LineType.Separate).lines(0.0)
     places = [_edges(line) for line in lines]
     total = sum(map(len, lines))
-    known = scans.changes(np.concatenate([np.empty((0, 3), dtype=int), *places]), codes, progress)
-    turns = _turns(known)
+    changes = scans.changes(np.concatenate([np.empty((0, 3), dtype=int), *places]), codes, progress)
+    turns = _turns(changes)
     tips, xs, ys = Tips(scans), axes[0].values, axes[1].values
-    curves: list[Sequence[Placed | Turn]] = []
+    curves: list[Sequence[PlacedPoint | Turn]] = []
     missing = 0
     for line, edges in zip(lines, places, strict=True):
-        points = [known[axis, i, j] for axis, i, j in edges.tolist()]
+        points = [changes[axis, i, j] for axis, i, j in edges.tolist()]
         missing += points.count(None)
         between: list[Sequence[Turn]] = [()] * len(points)
         if turns:
@@ -133,25 +133,25 @@ def _edges(line: Floats) -> NDArray[np.int_]:
     return np.array(first, dtype=int).T
 
 
-def _turns(known: Mapping[tuple[int, int, int], Placed | None]) -> dict[Cell, list[Turn]]:
+def _turns(changes: Mapping[tuple[int, int, int], PlacedPoint | None]) -> dict[Cell, list[Turn]]:
     """Where two curves may cross within a cell, by its row and column.
 
     All four edges of the cell change, or two curves come near to each other on both sides of a row
     (or column) of grid points, and their lines meet between two of these points.
     """
     turns: dict[Cell, list[Turn]] = {}
-    for axis, i, j in known:
+    for axis, i, j in changes:
         if axis == 0:
             sides = (0, i, j), (0, i + 1, j), (1, i, j), (1, i, j + 1)
-            ends = [end for side in sides if (end := known.get(side)) is not None]
+            ends = [end for side in sides if (end := changes.get(side)) is not None]
             if len(ends) == len(sides):
                 turns[i, j] = _meeting(*ends)
         up, right = axis, 1 - axis  # from the edge before, over the grid point between them
-        if known.get((axis, i - up, j - right)) is None:
+        if changes.get((axis, i - up, j - right)) is None:
             continue
         ahead = [(i + k * right, j + k * up) for k in (-1, 0, 1, 2)]
-        after = [end for r, c in ahead if (end := known.get((axis, r, c))) is not None]
-        before = [e for r, c in ahead if (e := known.get((axis, r - up, c - right))) is not None]
+        after = [end for r, c in ahead if (end := changes.get((axis, r, c))) is not None]
+        before = [e for r, c in ahead if (e := changes.get((axis, r - up, c - right))) is not None]
         if len(after) == len(before) == len(ahead):
             apart = [a.point.value - b.point.value for a, b in zip(after, before, strict=True)]
             if apart[0] >= 2 * apart[1] and apart[3] >= 2 * apart[2]:
@@ -160,7 +160,7 @@ def _turns(known: Mapping[tuple[int, int, int], Placed | None]) -> dict[Cell, li
     return turns
 
 
-def _meeting(a: Placed, b: Placed, c: Placed, d: Placed) -> list[Turn]:
+def _meeting(a: PlacedPoint, b: PlacedPoint, c: PlacedPoint, d: PlacedPoint) -> list[Turn]:
     """Where the lines through two points each meet; none where they are parallel."""
     (ax, ay), (bx, by), (cx, cy), (dx, dy) = ([p.place(0), p.place(1)] for p in (a, b, c, d))
     across = (bx - ax) * (dy - cy) - (by - ay) * (dx - cx)
@@ -195,7 +195,7 @@ class GridScans:
 
     def changes(
         self, edges: NDArray[np.int_], codes: NDArray[np.int8], progress: Progress | None
-    ) -> dict[tuple[int, int, int], Placed | None]:
+    ) -> dict[tuple[int, int, int], PlacedPoint | None]:
         """The change of verdict on each edge: all together, then in balls what is left open.
 
         Parameters
@@ -230,7 +230,7 @@ class GridScans:
         edges: Edges,
         done: Callable[[int], None] | None = None,
         neutral: Mapping[int, float] | None = None,
-    ) -> list[Placed | None]:
+    ) -> list[PlacedPoint | None]:
         """The change of verdict on each of some edges; some have an end that is neutral."""
         points: list[BoundaryPoint | None] = [None] * len(edges.axis)
         joined = np.flatnonzero(~self.polynomials.separated(edges)).tolist()
@@ -246,7 +246,7 @@ class GridScans:
             if done:
                 done(k)
         return [
-            None if point is None else Placed(point, *where)
+            None if point is None else PlacedPoint(point, *where)
             for point, *where in zip(points, edges.axis.tolist(), edges.other.tolist(), strict=True)
         ]
 
@@ -293,9 +293,9 @@ class Tips:
     def continued(
         self,
         line: Floats,
-        points: Sequence[Placed | None],
+        points: Sequence[PlacedPoint | None],
         between: Sequence[Sequence[Turn]],
-    ) -> list[Placed | Turn]:
+    ) -> list[PlacedPoint | Turn]:
         """Points of a curve, with the two sides of each tip continued as far as they are apart.
 
         Parameters
@@ -307,7 +307,7 @@ class Tips:
         between
             Where two curves may cross between a point and the next one.
         """
-        out: list[Placed | Turn] = []
+        out: list[PlacedPoint | Turn] = []
         k, ends = 0, _tips(line)
         while k < len(points):
             if end := ends[k]:
@@ -326,8 +326,8 @@ class Tips:
         return out
 
     def _walls(
-        self, turn: list[Placed], outside: tuple[Placed | None, Placed | None]
-    ) -> list[Placed | Turn]:
+        self, turn: list[PlacedPoint], outside: tuple[PlacedPoint | None, PlacedPoint | None]
+    ) -> list[PlacedPoint | Turn]:
         """Points between both sides of a tip: up along one side, and down along the other.
 
         Parameters
@@ -365,28 +365,28 @@ class Tips:
 
     def _with(
         self,
-        middle: list[Placed],
-        first: Placed,
-        up: list[Placed],
-        last: Placed,
-        down: list[Placed],
-    ) -> list[Placed | Turn]:
+        middle: list[PlacedPoint],
+        first: PlacedPoint,
+        up: list[PlacedPoint],
+        last: PlacedPoint,
+        down: list[PlacedPoint],
+    ) -> list[PlacedPoint | Turn]:
         """Both sides, and each of the tip's own points on the side that it belongs to."""
         axis = first.axis
 
-        def off(side: list[Placed], one: Placed) -> float:
+        def off(side: list[PlacedPoint], point: PlacedPoint) -> float:
             order = sorted(side, key=lambda p: p.place(1 - axis))
             at = np.interp(
-                one.place(1 - axis),
+                point.place(1 - axis),
                 [p.place(1 - axis) for p in order],
                 [p.place(axis) for p in order],
             )
-            return abs(float(at) - one.place(axis))
+            return abs(float(at) - point.place(axis))
 
         sides = [first, *up], [last, *down]
         way = 1 if up[0].place(1 - axis) > first.place(1 - axis) else -1
-        for one in middle:
-            (up if off(sides[0], one) <= off(sides[1], one) else down).append(one)
+        for point in middle:
+            (up if off(sides[0], point) <= off(sides[1], point) else down).append(point)
         up.sort(key=lambda p: way * p.place(1 - axis))
         down.sort(key=lambda p: -way * p.place(1 - axis))
         meeting = _meeting(*[first, *up][-2:], *[*down, last][:2])
@@ -396,10 +396,10 @@ class Tips:
         self,
         axis: int,
         height: float,
-        pairs: list[tuple[Placed, Placed]],
+        pairs: list[tuple[PlacedPoint, PlacedPoint]],
         margin: float,
         narrow: float,
-    ) -> tuple[Placed, Placed] | None:
+    ) -> tuple[PlacedPoint, PlacedPoint] | None:
         """Both sides of the wedge at a height, looked for where straight lines meet that height.
 
         Parameters
@@ -427,12 +427,12 @@ class Tips:
         tries = [(low + high) / 2, *np.linspace(low, high, TRIES)]
         values = np.array([*outer, *tries, *np.linspace(*outer, TRIES)])
         heights = np.full(len(values), height)
-        known = self.lines.polynomials.signs(
+        signs = self.lines.polynomials.signs(
             *((values, heights) if axis == 0 else (heights, values))
         )
 
         def sign(k: int) -> int:
-            return int(known[k]) or line.quick_sign(float(values[k]))
+            return int(signs[k]) or line.quick_sign(float(values[k]))
 
         try:
             ground = sign(0)
@@ -471,7 +471,7 @@ def _tips(line: Floats) -> list[int]:
     return steps.tolist()
 
 
-def _extended(side: tuple[Placed, ...], axis: int, height: float) -> float:
+def _extended(side: tuple[PlacedPoint, ...], axis: int, height: float) -> float:
     """Where the straight line through the last points of a side meets a height."""
     *earlier, last = side
     if not earlier:

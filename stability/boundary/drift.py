@@ -169,8 +169,8 @@ def drift(
         most = float(lean.max())
         raise ParameterError(f"tilt is {most:g}; a small angle is needed{if_degrees(most)}.")
     with np.errstate(all="ignore"):  # an overflow is refused below
-        found = _drift(w, k, mu, lean, rate, shape, launch)
-    return replace(found, dimensionless=problem.dimensionless)
+        result = _drift(w, k, mu, lean, rate, shape, launch)
+    return replace(result, dimensionless=problem.dimensionless)
 
 
 def _drift(

@@ -24,7 +24,7 @@ from ..base.types import Floats
 from ..systems.structure.structural_zeros import structure
 from .algebraic.candidates import Candidate, Watched
 from .algebraic.exact_search import DIGITS, Judge, members_along, tidy
-from .algebraic.members import FINE_BITS, OPEN, Cell
+from .algebraic.members import FINE_BITS, OPEN, CandidateCell
 from .brackets import (
     LADDER,
     LATE,
@@ -86,40 +86,48 @@ class _EveryCrossing(Judge):
         left, touching = tuple(tidy(self.left)), tuple(self.touching)
         return Crossings(tuple(self.every), left, touching, HOW, throughout=number)
 
-    def side(self, cell: Cell) -> list[int] | None:
+    def side(self, cell: CandidateCell) -> list[int] | None:
         """Number of unstable eigenvalues of each factor."""
         if id(cell) not in self.counts:  # cells live as long as the members
             self.counts[id(cell)] = self.members.unstable_in(cell)
         return self.counts[id(cell)]
 
-    def single(self, one: Candidate, kept: list[Watched], below: Cell, above: Cell) -> None:
+    def single(
+        self, candidate: Candidate, kept: list[Watched], below: CandidateCell, above: CandidateCell
+    ) -> None:
         """A candidate where eigenvalues may reach the axis, and as many are unstable beyond it."""
-        rows = zip(self._on_axis(one), self.members.even, strict=False)
+        rows = zip(self._on_axis(candidate), self.members.even, strict=False)
         if any(w == 0 or not even for row, even in rows for w in row):
-            if self.members.meets(one, kept, below, above):
-                self.touching.append(float(one.value.mid()))
+            if self.members.meets(candidate, kept, below, above):
+                self.touching.append(float(candidate.value.mid()))
             else:
-                self.leave_at(one, REACHED.format(family=self.name))
+                self.leave_at(candidate, REACHED.format(family=self.name))
 
-    def change(self, one: Candidate, below: Cell, above: Cell, others: list[Any]) -> None:  # noqa: ARG002
+    def change(
+        self,
+        candidate: Candidate,
+        below: CandidateCell,
+        above: CandidateCell,
+        others: list[Any],  # noqa: ARG002
+    ) -> None:
         """A crossing as a proved bracket: its ends lie in the pieces on both sides."""
 
         def side(value: float) -> int:
-            if below.low < arb(value) < one.value and self.members.holds(value, below):
+            if below.low < arb(value) < candidate.value and self.members.holds(value, below):
                 return 1
-            inside = one.value < arb(value) < above.high
+            inside = candidate.value < arb(value) < above.high
             return -1 if inside and self.members.holds(value, above) else 0
 
-        root = self.root(one)
+        root = self.root(candidate)
         proof = bracket(side, root)
         numbers = self.side(below), self.side(above)
         if proof is None or numbers[0] is None or numbers[1] is None:
-            self.leave(one.value, one.value, LATE)
+            self.leave(candidate.value, candidate.value, LATE)
             return
         changed = [a != b for a, b in zip(numbers[0], numbers[1], strict=True)]
-        rows = self._on_axis(one)  # what touches the axis in another factor does not cross
+        rows = self._on_axis(candidate)  # what touches the axis in another factor does not cross
         rates = sorted(w for row in compress(rows, changed) for w in row)
-        if not rates and any(w.kind == "static" for w in self.members.vanishing(one) or ()):
+        if not rates and any(w.kind == "static" for w in self.members.vanishing(candidate) or ()):
             rates = [0.0]  # where branches cross no member was found
         kind = Crossing.STATIC if rates and not any(rates) else Crossing.FLUTTER
         if any(rates) and not all(rates):
@@ -136,10 +144,10 @@ class _EveryCrossing(Judge):
             )
         )
 
-    def _on_axis(self, one: Candidate) -> list[list[float]]:
+    def _on_axis(self, candidate: Candidate) -> list[list[float]]:
         """|Im λ| of what is on the axis at a candidate, by factor; empty without a member."""
         with suppress(StabilityError, ArithmeticError), precision(FINE_BITS):
-            rows = zip(self.members.factors_at(one), self.members.even, strict=True)
+            rows = zip(self.members.factors_at(candidate), self.members.even, strict=True)
             return [on_axis(row, even=even) * power for (row, power), even in rows]
         return []
 
@@ -176,10 +184,10 @@ def crossings_in_pieces(
         As for `pieces`.
     """
     low, high = float(grid[0]), float(grid[-1])
-    found = pieces(line, low, high, log=log, singular=singular, every=True)
+    searched = pieces(line, low, high, log=log, singular=singular, every=True)
     points: list[AxisCrossing] = []
     left: list[Unresolved] = []
-    for leaf in found.leaves:
+    for leaf in searched.leaves:
         if leaf.meetings == 0:
             continue
         outcome = _crossing(line, leaf) if leaf.meetings == 1 else leaf.reason
@@ -188,7 +196,7 @@ def crossings_in_pieces(
         elif outcome and low <= outcome.value + outcome.error:
             points += [outcome] if outcome.value - outcome.error <= high else []
     number = None if left or points else unstable_at(line, low + SHARE * (high - low))
-    how = how_in_pieces(line, found)
+    how = how_in_pieces(line, searched)
     return Crossings(tuple(points), tuple(left), how=how, throughout=number)
 
 

@@ -129,8 +129,8 @@ class GridPolynomials:
     @cached_property
     def stored(self) -> TabulatedPolynomial | None:
         """The stored polynomial, where it is proved for every member."""
-        known = self.problem.exact
-        return known if isinstance(known, TabulatedPolynomial) else None
+        exact = self.problem.exact
+        return exact if isinstance(exact, TabulatedPolynomial) else None
 
     @cached_property
     def even(self) -> bool:
@@ -179,8 +179,8 @@ class GridPolynomials:
                 self(DOUBLE_DOUBLE, *map(DoubleDouble, edges.places(end)))
                 for end in (edges.low, edges.high)
             )
-            one, other = low.functions[1], high.functions[1]
-            return np.asarray((low.constants[0] * high.constants[0] < 0) & (one * other > 0))
+            at_low, at_high = low.functions[1], high.functions[1]
+            return np.asarray((low.constants[0] * high.constants[0] < 0) & (at_low * at_high > 0))
         return none
 
     def _read(self, algebra: Algebra, values: dict[str, Any]) -> _Polynomials:
@@ -206,8 +206,8 @@ class GridPolynomials:
         if not family.unknown or family.closed:
             return [algebra.constant(v) for v in family.unknown.values()], []
         rows = np.array(np.broadcast_arrays(*map(_double, (*a, *q)))).T
-        found = family.search(rows[:, : len(a)], rows[:, len(a) :])
-        near = np.where(found.good[:, None], found.u, np.nan)
+        members = family.search(rows[:, : len(a)], rows[:, len(a) :])
+        near = np.where(members.good[:, None], members.u, np.nan)
         if algebra is PLAIN:
             return list(near.T), []
 
@@ -284,8 +284,8 @@ def rates(polynomials: GridPolynomials, x: Floats, y: Floats, square: Floats) ->
         unit, unit_square = polynomials.stored.scale(values)
     else:
         unit, unit_square = polynomials.problem.arrays(values)[2], None
-    found: Floats = np.sqrt(square * unit_square) if unit is None else np.sqrt(square) * unit
-    return found
+    frequencies: Floats = np.sqrt(square * unit_square) if unit is None else np.sqrt(square) * unit
+    return frequencies
 
 
 def _double(number: Any) -> Any:
@@ -296,9 +296,9 @@ def _sign(number: Any) -> Any:
     return number.sign() if isinstance(number, DoubleDouble) else np.sign(number)
 
 
-def _both(one: Any, other: Any) -> Any:
+def _both(first: Any, second: Any) -> Any:
     """The verdict of a product of polynomials."""
-    return np.where((one < 0) | (other < 0), -1, np.minimum(one, other))
+    return np.where((first < 0) | (second < 0), -1, np.minimum(first, second))
 
 
 def bracketed(polynomials: GridPolynomials, edges: Edges) -> list[BoundaryPoint | None]:

@@ -56,7 +56,7 @@ from .brackets import AxisCrossing, AxisScan, Boundaries, BoundaryPoint, Crossin
 from .changes import MOST_SCAN, along, every_along
 from .lyapunov_coefficient import (
     Coefficients,
-    Line,
+    OneParameterFamily,
     Pair,
     coefficients,
     derivatives,
@@ -305,7 +305,7 @@ def births(problem: Problem, grid: Axis) -> list[CycleBirth] | list[HopfPoint]:
     family = problem.family
     on_line = _accepted(family, grid.name)
     fixed = {n: float(v) for n, v in problem.values.items() if n != grid.name}
-    line = Line(family, grid.name, fixed)
+    line = OneParameterFamily(family, grid.name, fixed)
     works = cited(
         model=bool(family.system.quantities),
         proofs=True,
@@ -316,14 +316,14 @@ def births(problem: Problem, grid: Axis) -> list[CycleBirth] | list[HopfPoint]:
         edges = _flutter_edges(problem, grid)
         edges.warn(grid.name)
         return [replace(_on_line(line, b), citation=works, units=units) for b in edges]
-    found = every_along(problem, grid)
-    found.warn(grid.name)
-    pairs = [pair for crossing in found for pair in _pairs(crossing)]
-    if not found.complete:  # where numbers are open a verdict may still change
+    crossings = every_along(problem, grid)
+    crossings.warn(grid.name)
+    pairs = [pair for crossing in crossings for pair in _pairs(crossing)]
+    if not crossings.complete:  # where numbers are open a verdict may still change
         pairs += [
             (edge, -1 if edge.frequencies else 0)
             for edge in _flutter_edges(problem, grid)
-            if all(abs(edge.value - c.value) > edge.error + c.error for c in found)
+            if all(abs(edge.value - c.value) > edge.error + c.error for c in crossings)
         ]
     return [
         replace(birth(line, point, number), citation=works)
@@ -333,18 +333,20 @@ def births(problem: Problem, grid: Axis) -> list[CycleBirth] | list[HopfPoint]:
 
 def _flutter_edges(problem: Problem, grid: Axis) -> Boundaries:
     """The boundaries along an axis at which pairs cross."""
-    found = along(problem, grid.name, grid.low, grid.high, points=grid.count, log=grid.log)
+    changes = along(problem, grid.name, grid.low, grid.high, points=grid.count, log=grid.log)
     kinds = (Crossing.FLUTTER, Crossing.STATIC_AND_FLUTTER)
-    return replace(found, points=tuple(b for b in found if b.crossing in kinds))
+    return replace(changes, points=tuple(b for b in changes if b.crossing in kinds))
 
 
-def _pairs(one: AxisCrossing) -> Iterator[tuple[BoundaryPoint, int]]:
+def _pairs(crossing: AxisCrossing) -> Iterator[tuple[BoundaryPoint, int]]:
     """Each pair of a crossing, with the number of other eigenvalues that are unstable there."""
-    below, above = one.unstable_below, one.unstable_above
-    number = min(below, above) if len(one.frequencies) == 1 else -1
-    for frequency in filter(None, dict.fromkeys(one.frequencies)):
+    below, above = crossing.unstable_below, crossing.unstable_above
+    number = min(below, above) if len(crossing.frequencies) == 1 else -1
+    for frequency in filter(None, dict.fromkeys(crossing.frequencies)):
         yield (
-            BoundaryPoint(one.value, one.error, Crossing.FLUTTER, frequency, below < above),
+            BoundaryPoint(
+                crossing.value, crossing.error, Crossing.FLUTTER, frequency, below < above
+            ),
             number,
         )
 
@@ -388,7 +390,7 @@ def _accepted(family: Family, axis: str) -> bool:
     )
 
 
-def birth(line: Line, point: BoundaryPoint, unstable: int = 0) -> CycleBirth:
+def birth(line: OneParameterFamily, point: BoundaryPoint, unstable: int = 0) -> CycleBirth:
     """The first Lyapunov coefficient at a flutter boundary, with proved bounds."""
     reason = ""
     for bits in PRECISIONS:
@@ -397,10 +399,10 @@ def birth(line: Line, point: BoundaryPoint, unstable: int = 0) -> CycleBirth:
             try:
                 pair = _checked(line, point)
                 reason = NO_COEFFICIENT
-                found = coefficients(pair)
-                reason = LINEAR if linear(line.family.system) else _open(found)
+                lyapunov = coefficients(pair)
+                reason = LINEAR if linear(line.family.system) else _open(lyapunov)
                 if not reason or bits == PRECISIONS[-1]:
-                    return _record(point, pair, found, reason, unstable)
+                    return _record(point, pair, lyapunov, reason, unstable)
             except NotProvedError:
                 continue
     nan = float("nan")
@@ -420,7 +422,7 @@ def birth(line: Line, point: BoundaryPoint, unstable: int = 0) -> CycleBirth:
     )
 
 
-def _checked(line: Line, point: BoundaryPoint) -> Pair:
+def _checked(line: OneParameterFamily, point: BoundaryPoint) -> Pair:
     """The pair of a boundary, which lies in its bracket."""
     pair = pair_near(line, point.value, point.frequency)
     rough = line.member(point.value)
@@ -435,30 +437,30 @@ def _checked(line: Line, point: BoundaryPoint) -> Pair:
     return pair
 
 
-def _open(found: Coefficients) -> str:
+def _open(lyapunov: Coefficients) -> str:
     """Why the onset is undecided, or nothing."""
-    if not found.others:
+    if not lyapunov.others:
         return "another eigenvalue is not proved to be stable at the boundary"
-    if not signed(found.speed):
+    if not signed(lyapunov.speed):
         return "the pair's speed is not proved to differ from zero"
-    if not signed(found.first):
+    if not signed(lyapunov.first):
         return "the first Lyapunov coefficient is zero within its bound; higher orders decide"
     return ""
 
 
 def _record(
-    point: BoundaryPoint, pair: Pair, found: Coefficients, reason: str, unstable: int
+    point: BoundaryPoint, pair: Pair, lyapunov: Coefficients, reason: str, unstable: int
 ) -> CycleBirth:
-    kind = Onset.SOFT if found.first < 0 else Onset.HARD
+    kind = Onset.SOFT if lyapunov.first < 0 else Onset.HARD
     if reason:
         kind = Onset.LINEAR if reason == LINEAR else Onset.UNDECIDED
-    elif found.others < 0:
+    elif lyapunov.others < 0:
         kind = Onset.UNSTABLE
         reason = "another eigenvalue is unstable there"
         reason = f"{unstable} other eigenvalues are unstable there" if unstable > 1 else reason
-    below = found.speed > 0 if signed(found.speed) else point.stable_below
+    below = lyapunov.speed > 0 if signed(lyapunov.speed) else point.stable_below
     value, error = rounded(pair.value)
-    frequency, speed, first = map(rounded, (pair.frequency, found.speed, found.first))
+    frequency, speed, first = map(rounded, (pair.frequency, lyapunov.speed, lyapunov.first))
     return CycleBirth(
         value,
         error,
@@ -478,7 +480,7 @@ def rounded(ball: Any) -> tuple[float, float]:
     return value, upper(abs(arb(ball) - arb(value)))
 
 
-def _on_line(line: Line, point: BoundaryPoint) -> HopfPoint:
+def _on_line(line: OneParameterFamily, point: BoundaryPoint) -> HopfPoint:
     for bits in PRECISIONS:
         with precision(bits):
             try:
@@ -634,7 +636,7 @@ def hopf(
             f"axis is missing; {asked.family.name} needs (name, low, high, n), as for boundaries."
         )
     if record is None or record.flutter is None:
-        lines = listed([name for name, one in FAMILIES.items() if one.flutter])
+        lines = listed([name for name, entry in FAMILIES.items() if entry.flutter])
         raise ParameterError(
             f"family is {shown(family)}; {lines} have such boundaries (rolling passes its own "
             "slowly, see drift)."
@@ -656,7 +658,7 @@ def hopf(
         try:
             with precision(bits):
                 marks = _flutter(problem, record, bits, unit, points)
-                found = [_point(problem, mark, unit) for mark in marks]
+                hopf_points = [_point(problem, mark, unit) for mark in marks]
         except (StabilityError, UnclearError, NotProvedError) as error:
             if last:
                 raise StabilityError(
@@ -664,14 +666,16 @@ def hopf(
                     or f"{bits} bits do not prove every pair on the imaginary axis; give numbers "
                     "nearer to 1, or other ones."
                 ) from None
-            found = None
-        if last or (found is not None and all(p.kind is not HopfKind.DEGENERATE for p in found)):
+            hopf_points = None
+        if last or (
+            hopf_points is not None and all(p.kind is not HopfKind.DEGENERATE for p in hopf_points)
+        ):
             units = _units(problem, "at")
-            return [replace(point, citation=works, units=units) for point in found or []]
+            return [replace(point, citation=works, units=units) for point in hopf_points or []]
         bits *= 2
 
 
-class Mark(NamedTuple):
+class FlutterBoundary(NamedTuple):
     """A flutter boundary."""
 
     value: Any
@@ -682,7 +686,7 @@ class Mark(NamedTuple):
 
 def _flutter(
     problem: Problem, record: SteadyFamily, bits: int, unit: float, points: int
-) -> list[Mark]:
+) -> list[FlutterBoundary]:
     """The flutter boundaries along the whole line, in balls."""
     fixed = {n: float(v) for n, v in problem.values.items() if n != "at"}
     try:
@@ -696,32 +700,36 @@ def _flutter(
         ) from None
     end = arb.pi() / 2 if record.by_angle else arb("inf")
     return [
-        Mark(one.value, below.look.sign > 0)
-        for one, below, above in members.between()
-        if not one.kinds & {"static", "pole", "edge"}
+        FlutterBoundary(candidate.value, below.look.sign > 0)
+        for candidate, below, above in members.between()
+        if not candidate.kinds & {"static", "pole", "edge"}
         and below.look.sign != above.look.sign
-        and 0 < one.value < end
+        and 0 < candidate.value < end
     ]
 
 
 @lru_cache(maxsize=1)
-def _scanned(problem: Problem, record: SteadyFamily, unit: float, points: int) -> list[Mark]:
+def _scanned(
+    problem: Problem, record: SteadyFamily, unit: float, points: int
+) -> list[FlutterBoundary]:
     """The flutter boundaries along part of the line, bracketed between the points of a scan."""
     low, high = (v * unit for v in record.flutter or ())
-    found = along(problem, "at", low, high, points=points)
+    changes = along(problem, "at", low, high, points=points)
     name = problem.family.name
     warned(
         f"{name} under this law has no stored conditions: it was scanned from {low:.6g} to "
         f"{high:.6g} at {points} points; two boundaries between two points are not excluded."
     )
     return [
-        Mark(arb(b.value, b.error), b.stable_below) for b in found if b.crossing is Crossing.FLUTTER
+        FlutterBoundary(arb(b.value, b.error), b.stable_below)
+        for b in changes
+        if b.crossing is Crossing.FLUTTER
     ]
 
 
-def _point(problem: Problem, mark: Mark, unit: float) -> HopfPoint:
-    given = {n: arb(float(v)) for n, v in problem.values.items()} | {"at": mark.value}
-    a, q, rate = problem.reduce(given, lambda v: v.sqrt())
+def _point(problem: Problem, mark: FlutterBoundary, unit: float) -> HopfPoint:
+    values = {n: arb(float(v)) for n, v in problem.values.items()} | {"at": mark.value}
+    a, q, rate = problem.reduce(values, lambda v: v.sqrt())
     pair = pair_at(problem.family, a[0], q)
     form = line_form(pair)
     sign = signed(form.speed) * signed(form.push)
@@ -757,5 +765,7 @@ def pair_at(family: Family, at: Any, parameters: Sequence[Any]) -> Pair:
     NotProvedError
         If none is proved there.
     """
-    line = Line(family, family.at[0], dict(zip(family.parameters, parameters, strict=True)))
+    line = OneParameterFamily(
+        family, family.at[0], dict(zip(family.parameters, parameters, strict=True))
+    )
     return pair_near(line, float(arb(at).mid()))

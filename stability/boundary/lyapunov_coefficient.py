@@ -44,7 +44,7 @@ REAL = 1e-12
 """Frequency, over the largest eigenvalue, up to which one of these counts as real."""
 
 
-class Derivatives:
+class DerivativePrograms:
     """Programs of a system, with inputs x and p and then directions in the state."""
 
     def __init__(self, system: Equations) -> None:
@@ -83,12 +83,12 @@ class Derivatives:
 
 
 @lru_cache(maxsize=16)
-def derivatives(system: Equations) -> Derivatives:
+def derivatives(system: Equations) -> DerivativePrograms:
     """The derivatives of a system, built once."""
-    return Derivatives(system)
+    return DerivativePrograms(system)
 
 
-class Line:
+class OneParameterFamily:
     """A family with one number free, at a member, in terms of the system's states and parameters.
 
     Parameters
@@ -129,16 +129,16 @@ class Line:
         table[self.axis] = arb(value)
         for name, held in family.fixed.items():
             table[name] = arb.pi() / 2 if isinstance(held, Upright) else arb(held)
-        found = list(family.unknown.values()) if family.closed else list(unknowns)
-        table |= {n: arb(v) for n, v in zip(family.unknown, found, strict=True)}
+        values = list(family.unknown.values()) if family.closed else list(unknowns)
+        table |= {n: arb(v) for n, v in zip(family.unknown, values, strict=True)}
         return [table[n] for n in system.states], [table[n] for n in system.parameters]
 
     def row(self, value: float) -> tuple[Floats, Floats, Floats]:
         """Family parameters, unknowns and parameters of a member in double precision, one row."""
         family = self.family
-        given = {n: float(arb(v).mid()) for n, v in self.fixed.items()} | {self.axis: value}
-        a = np.array([[given[n] for n in family.at]])
-        q = np.array([[given[n] for n in family.parameters]]).reshape(1, -1)
+        values = {n: float(arb(v).mid()) for n, v in self.fixed.items()} | {self.axis: value}
+        a = np.array([[values[n] for n in family.at]])
+        q = np.array([[values[n] for n in family.parameters]]).reshape(1, -1)
         return a, family.solve(a, q), q
 
     def member(self, value: float) -> list[float]:
@@ -211,7 +211,7 @@ class Pair:
     """All unknowns of the equations, to start a search nearby."""
 
     @property
-    def line(self) -> Line:
+    def line(self) -> OneParameterFamily:
         """The line along which it crosses."""
         return self.equations.line
 
@@ -239,12 +239,12 @@ class PairEquations:
         c of the condition c* v = 1, complex doubles over the kept states.
     """
 
-    def __init__(self, line: Line, phase: Any) -> None:
+    def __init__(self, line: OneParameterFamily, phase: Any) -> None:
         self.line = line
         self.phase = [(arb(float(c.real)), arb(float(c.imag))) for c in phase]
         self.count = len(line.solved)
 
-    def on(self, line: Line) -> PairEquations:
+    def on(self, line: OneParameterFamily) -> PairEquations:
         """The same on another line, with the same phase."""
         return PairEquations(line, [complex(float(a), float(b)) for a, b in self.phase])
 
@@ -289,7 +289,7 @@ class PairEquations:
 
 
 def guess(
-    line: Line, value: float, frequency: float | None = None
+    line: OneParameterFamily, value: float, frequency: float | None = None
 ) -> tuple[PairEquations, list[float]]:
     """Equations of a pair and a first guess in double precision.
 
@@ -312,8 +312,8 @@ def guess(
     if not np.isfinite(matrix).all():
         raise NotProvedError
     with precision(GUESS_BITS):
-        found, columns = acb_mat(matrix.tolist()).eig(right=True, algorithm="approx")
-    values = np.array([complex(v) for v in found])
+        eigenvalues, columns = acb_mat(matrix.tolist()).eig(right=True, algorithm="approx")
+    values = np.array([complex(v) for v in eigenvalues])
     if frequency is None:
         turns = values.imag > REAL * np.abs(values).max()
         far = np.where(turns, np.abs(values.real), np.inf)
@@ -334,7 +334,7 @@ def guess(
     ]
 
 
-def pair_near(line: Line, value: float, frequency: float | None = None) -> Pair:
+def pair_near(line: OneParameterFamily, value: float, frequency: float | None = None) -> Pair:
     """The crossing pair near a value of the axis, proved at the working precision.
 
     Raises
@@ -420,13 +420,13 @@ def shifted(matrix: Any, number: Any) -> Any:
 def solve(matrix: Any, right: Balls) -> Balls:
     """Solution of a regular complex system."""
     try:
-        found = matrix.solve(acb_mat(len(right), 1, [acb(v) for v in right]))
+        solution = matrix.solve(acb_mat(len(right), 1, [acb(v) for v in right]))
     except ZeroDivisionError:
         raise NotProvedError from None
-    return [found[i, 0] for i in range(len(right))]
+    return [solution[i, 0] for i in range(len(right))]
 
 
-def speeds(line: Line, x: Balls, p: Balls) -> Balls:
+def speeds(line: OneParameterFamily, x: Balls, p: Balls) -> Balls:
     """d/d axis along the family of what is free: 1 for the axis, then what is solved for."""
     _, _, (by_axis, *columns) = line.first(x, p)
     if not line.solved:
@@ -476,8 +476,8 @@ def coefficients(pair: Pair) -> Coefficients:
     conjugate = [v.conjugate() for v in q]
 
     def second(u: Balls, v: Balls) -> Balls:
-        found = line.second(x, p, line.whole(u), line.whole(v))
-        return [acb(found[i]) for i in kept]
+        derivative = line.second(x, p, line.whole(u), line.whole(v))
+        return [acb(derivative[i]) for i in kept]
 
     cubic = line.third(x, p, line.whole(q), line.whole(q), line.whole(conjugate))
     total = dot(left, [acb(cubic[i]) for i in kept])

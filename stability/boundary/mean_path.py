@@ -130,7 +130,7 @@ def retrograde_map(
     theta = np.array([math.radians(a) for a, _ in pairs])[which.astype(int)]
     speed = np.array([b for _, b in pairs])[which.astype(int)]
     at = np.stack([theta, speed / np.sqrt(k * np.sin(theta))], axis=1)
-    found = {n: v.reshape(grid[0].shape) for n, v in _follow(at, k, s).items()}
+    results = {n: v.reshape(grid[0].shape) for n, v in _follow(at, k, s).items()}
     words = {
         "largest_ratio": ("largest nutation frequency over precession rate", "1"),
         "theta_back": ("inclination where the mean path begins to turn back", "rad"),
@@ -139,7 +139,10 @@ def retrograde_map(
     }
     dims = ("start", "inner", "share")
     return xarray.Dataset(
-        {n: (dims, v, {"long_name": words[n][0], "units": words[n][1]}) for n, v in found.items()},
+        {
+            n: (dims, v, {"long_name": words[n][0], "units": words[n][1]})
+            for n, v in results.items()
+        },
         coords={
             "inner": ("inner", radii, {"long_name": "inner over outer radius", "units": "1"}),
             "share": ("share", shares, {"long_name": "share of air", "units": "1"}),
@@ -156,12 +159,12 @@ def retrograde_map(
     )
 
 
-def _points(name: str, given: ArrayLike | None) -> Floats:
-    values = np.linspace(0, 1, 33) if given is None else real_numbers(name, given)
+def _points(name: str, numbers: ArrayLike | None) -> Floats:
+    values = np.linspace(0, 1, 33) if numbers is None else real_numbers(name, numbers)
     if values.ndim != 1 or not values.size or not (np.diff(values) > 0).all():
-        raise ParameterError(f"{name} is {shown(given)}; give rising numbers.")
+        raise ParameterError(f"{name} is {shown(numbers)}; give rising numbers.")
     if not (values[0] >= 0 and values[-1] <= 1):
-        raise ParameterError(f"{name} is {shown(given)}; its numbers must lie in [0, 1].")
+        raise ParameterError(f"{name} is {shown(numbers)}; its numbers must lie in [0, 1].")
     return values
 
 
@@ -206,5 +209,5 @@ def _follow(at: Floats, k: Floats, share: Floats) -> dict[str, Floats]:
         lost[i] = (nutation <= 0) | (at[i, 0] >= UPRIGHT_END)
         alive[i] = ~lost[i] & (at[i, 0] > FLAT)
     lost |= alive
-    found = {"largest_ratio": largest, "theta_back": back, "theta_on": on, "backward": backward}
-    return {n: np.where(lost, math.nan, v) for n, v in found.items()}
+    results = {"largest_ratio": largest, "theta_back": back, "theta_on": on, "backward": backward}
+    return {n: np.where(lost, math.nan, v) for n, v in results.items()}

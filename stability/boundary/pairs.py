@@ -51,8 +51,8 @@ def frequency(polynomial: Sequence[Any], *, even: bool = False) -> float:
     # over Q, where roots of any multiplicity are isolated
     exact = [c.mid().fmpq() for c in map(arb, polynomial)]
     with precision(FREQUENCY_BITS):
-        known = meeting(fmpq_poly(exact[::2])) if even else crossing(fmpq_poly(exact))
-        return min(known, default=(math.inf, 0.0))[1]
+        pairs = meeting(fmpq_poly(exact[::2])) if even else crossing(fmpq_poly(exact))
+        return min(pairs, default=(math.inf, 0.0))[1]
 
 
 def crossing(polynomial: Any) -> Iterator[tuple[float, float]]:

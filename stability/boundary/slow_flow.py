@@ -108,15 +108,15 @@ class SlowFlow(Record):
             If there is no member, its null vectors are not separated from the other directions, or
             the disturbance drives the motion across the family.
         """
-        given, count = real_numbers("at", at), len(self.family.at)
-        if not given.size:
+        members, count = real_numbers("at", at), len(self.family.at)
+        if not members.size:
             raise ParameterError("at is an empty array; at least one number is needed.")
-        if count > 1 and given.shape[-1:] != (count,):
+        if count > 1 and members.shape[-1:] != (count,):
             raise ParameterError(
-                f"at has shape {given.shape}; give {' and '.join(self.family.at)} along its last "
+                f"at has shape {members.shape}; give {' and '.join(self.family.at)} along its last "
                 "axis."
             )
-        a = given.reshape(-1, count)
+        a = members.reshape(-1, count)
         table: dict[str, Any] = dict(zip(self.family.at, a.T, strict=True))
         sizes = self.numbers | {self.small: 0.0}
         table |= {n: np.broadcast_to(np.ravel(v), len(a)) for n, v in sizes.items()}
@@ -125,8 +125,8 @@ class SlowFlow(Record):
         x = self.family.states(a, u, q)
         matrix, tangent = self.family.matrix(a, u, q), self.family.tangent(a, u, q)[..., :count]
         push = self.push(x, table)
-        found = self.value * self._rates(a, matrix, tangent, push).reshape(given.shape)
-        return found if given.ndim else float(found)
+        rates = self.value * self._rates(a, matrix, tangent, push).reshape(members.shape)
+        return rates if members.ndim else float(rates)
 
     def _rates(self, at: Floats, matrix: Floats, tangent: Floats, push: Floats) -> Floats:
         """dy/dt over the coefficient at members, shape of `at`."""
@@ -277,7 +277,7 @@ def slow_flow(
     >>> round(flow.time(2.0, 1.0) / flow.time(4.0, 2.0), 9)  # each halving takes as long
     1.0
     """
-    given = dict(parameters)
+    arguments = dict(parameters)
     if isinstance(family, Family):
         if body is not None or resistance is not None or small is None:
             raise ParameterError(
@@ -289,7 +289,7 @@ def slow_flow(
                 f"small is {shown(small)}; parameters of {family.name} are "
                 f"{', '.join(family.parameters) or 'none'}."
             )
-        value = one_number(small, given.pop(small, 1.0))
+        value = one_number(small, arguments.pop(small, 1.0))
     else:
         against = _single_resistance(resistance)
         if small is not None:
@@ -301,12 +301,12 @@ def slow_flow(
         none = type(against)(0.0)  # type: ignore[call-arg]  # every resistance has one field
         if body is None:
             raise ParameterError("body is missing; give a stability.Body.")
-        given["resistance"] = none
-    asked = subject_of(family, body=body, contact=contact, parameters=given)
+        arguments["resistance"] = none
+    asked = subject_of(family, body=body, contact=contact, parameters=arguments)
     family = asked.family
     still = _still(family, small)
-    given = {n: v for n, v in {**asked.numbers, **asked.member}.items() if n != small}
-    problem = problem_of(subject_of(still, parameters=given))
+    arguments = {n: v for n, v in {**asked.numbers, **asked.member}.items() if n != small}
+    problem = problem_of(subject_of(still, parameters=arguments))
     numbers = {n: one_number(n, v) for n, v in problem.values.items()}
     missing = [n for n in still.parameters if n not in numbers]
     if missing:
@@ -314,13 +314,13 @@ def slow_flow(
     return SlowFlow(still, family.system, small, value, numbers)
 
 
-def _single_resistance(given: Any) -> Resistance:
+def _single_resistance(argument: Any) -> Resistance:
     """The one resistance of a call."""
-    found = resistances(given)
-    if len(found) != 1:
-        what = f"names {len(found)} of them" if found else "is missing"
+    laws = resistances(argument)
+    if len(laws) != 1:
+        what = f"names {len(laws)} of them" if laws else "is missing"
         raise ParameterError(f"resistance {what}; give one, such as RollingResistance(rho).")
-    return found[0]
+    return laws[0]
 
 
 def _still(family: Family, small: str) -> Family:

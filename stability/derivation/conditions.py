@@ -42,7 +42,7 @@ from .deduction import Deduction, closed_forms, domain_of, sloped_somewhere
 
 
 @dataclass(frozen=True)
-class Variable:
+class ConditionVariable:
     """A variable of the polynomials."""
 
     name: str
@@ -147,7 +147,7 @@ def _exactly(value: Fraction) -> Any:
 
 
 @dataclass(frozen=True)
-class Numbers:
+class NumberReading:
     """How numbers are read: fractions exactly, doubles exactly or as decimals."""
 
     decimals: bool = False
@@ -186,10 +186,10 @@ class Numbers:
         one_number(name, double(exact))  # refuses what no double is near
         return _exactly(exact)
 
-    def point(self, given: Mapping[str, Any]) -> dict[str, Any]:
+    def point(self, values: Mapping[str, Any]) -> dict[str, Any]:
         """Numbers by name as rationals; balls stay."""
         return {
-            n: v if isinstance(v, (arb, fmpq)) else self.rational(n, v) for n, v in given.items()
+            n: v if isinstance(v, (arb, fmpq)) else self.rational(n, v) for n, v in values.items()
         }
 
     def intervals(
@@ -217,11 +217,11 @@ class Numbers:
                 return low, high
         raise ParameterError(f"between of {name} is {shown(limits)}; give (low, high).")
 
-    def statement(self, family: Family, given: Sequence[Any]) -> str:
+    def statement(self, family: Family, numbers: Sequence[Any]) -> str:
         """Sentences on the doubles that are no short decimals exactly, or empty."""
         asis, read = family.graph.numbers
-        own = (v for v in given if isinstance(v, float))
-        doubles = {v: decimal_of(v) for v in (*own, *asis, *read)}
+        floats = (v for v in numbers if isinstance(v, float))
+        doubles = {v: decimal_of(v) for v in (*floats, *asis, *read)}
         short = {v: d for v, d in doubles.items() if d is not None and d != Fraction(v)}
         others = [f"{v!r}" for v, d in doubles.items() if d is None]
         if not self.decimals:
@@ -283,7 +283,7 @@ class Conditions(Record):
     """The family."""
     given: Mapping[str, Fraction]
     """Parameters that have a number."""
-    variables: tuple[Variable, ...]
+    variables: tuple[ConditionVariable, ...]
     """Variables of the polynomials."""
     domain: tuple[str, ...]
     """What is assumed of the variables, such as `v > 0`."""
@@ -309,7 +309,7 @@ class Conditions(Record):
     """Time of the derivation."""
     numbers: str
     """How decimals in the graph and in the given numbers were read; empty where all are exact."""
-    _reads: Numbers
+    _reads: NumberReading
     _intervals: Mapping[str, tuple[Any, Any]]
 
     __getstate__ = fields_of
@@ -317,9 +317,9 @@ class Conditions(Record):
     @cached_property
     def _deduction(self) -> Deduction:
         """What checks members; derived again after a pickle, which cannot hold it."""
-        given = {n: _exactly(v) for n, v in self.given.items()}
+        numbers = {n: _exactly(v) for n, v in self.given.items()}
         family, limits = self._reads.family(self.family), Budget(MOST_TERMS + self.terms, math.inf)
-        polynomial = CharacteristicPolynomial(family, given, limits, self._reads.ratio)
+        polynomial = CharacteristicPolynomial(family, numbers, limits, self._reads.ratio)
         domain = domain_of(polynomial, self._intervals)
         return Deduction(polynomial, domain, structure(family).zeros)
 
@@ -342,8 +342,8 @@ class Conditions(Record):
     def boundaries(self) -> tuple[SignCondition, ...]:
         """Conditions at whose zeros the verdict may change: static, then flutter."""
         rank = {"static": 0, "flutter": 1}
-        found = [c for c in self.deciding if c.kind in rank]
-        return tuple(sorted(found, key=lambda c: rank[c.kind]))
+        changing = [c for c in self.deciding if c.kind in rank]
+        return tuple(sorted(changing, key=lambda c: rank[c.kind]))
 
     @property
     def branch(self) -> str:
@@ -431,8 +431,8 @@ class Conditions(Record):
         signs = [sign_of(c.polynomial(*point)) for c in self.deciding]
         if -1 in signs:
             return Verdict.UNSTABLE
-        found = self._by_signs(point, signs)
-        return self._with_zeros(every) if found is Verdict.STABLE else found
+        verdict = self._by_signs(point, signs)
+        return self._with_zeros(every) if verdict is Verdict.STABLE else verdict
 
     def _by_signs(self, point: Sequence[Any], signs: Sequence[int | None]) -> Verdict:
         even = any(f.even for f in self.factors) or self._extra_zeros > 0
@@ -449,14 +449,14 @@ class Conditions(Record):
         family, zeros = self.family, self._deduction.structural
         if semisimple(family, zeros):
             return Verdict.STABLE
-        known = {n: _exactly(v) for n, v in self.given.items()}
-        known |= self._reads.point(every)
-        if not known.keys() >= {*family.at, *family.parameters}:
+        numbers = {n: _exactly(v) for n, v in self.given.items()}
+        numbers |= self._reads.point(every)
+        if not numbers.keys() >= {*family.at, *family.parameters}:
             return Verdict.UNDECIDED
-        a, q = ([known[n] for n in names] for names in (family.at, family.parameters))
+        a, q = ([numbers[n] for n in names] for names in (family.at, family.parameters))
         rows = [np.array([[float(v) for v in part]]).reshape(1, -1) for part in (a, q)]
         near = [
-            known.get(n, u) for n, u in zip(family.unknown, family.solve(*rows)[0], strict=True)
+            numbers.get(n, u) for n, u in zip(family.unknown, family.solve(*rows)[0], strict=True)
         ]
         power = zero_power(Member(family, a, q, [float(u) for u in near]), zeros)
         if power is None:
@@ -469,8 +469,8 @@ class Conditions(Record):
         for factor in self.factors:
             balls = [arb(c(*point)) for c in factor.coefficients]
             turned = [c if balls[-1] > 0 else -c for c in balls]
-            known = bool(turned[-1] > 0)
-            signs.append(hurwitz_sign(verdict_polynomial(turned, 0, factor.even)) if known else 0)
+            clear = bool(turned[-1] > 0)
+            signs.append(hurwitz_sign(verdict_polynomial(turned, 0, factor.even)) if clear else 0)
         if -1 in signs:
             return Verdict.UNSTABLE
         return Verdict.UNDECIDED if 0 in signs else good
@@ -496,8 +496,8 @@ class Conditions(Record):
             If there is no such member, or none is proved to exist.
         """
         point = self._point(at, parameters)
-        found = self._deduction.members.values(point)
-        return dict(zip((v.name for v in self.variables), found, strict=True))
+        numbers = self._deduction.members.values(point)
+        return dict(zip((v.name for v in self.variables), numbers, strict=True))
 
     def verdict(self, at: ArrayLike, **parameters: Any) -> Verdict:
         """The verdict from the conditions at a member.
@@ -518,14 +518,14 @@ class Conditions(Record):
         NoMemberError
             If there is no such member, or none is proved to exist.
         """
-        found = Verdict.UNDECIDED
+        verdict = Verdict.UNDECIDED
         for bits in BITS:
             with precision(bits):
                 values = self.values(at, **parameters)
-                found = self._decide(values, values | self._point(at, parameters))
-            if found is not Verdict.UNDECIDED:
+                verdict = self._decide(values, values | self._point(at, parameters))
+            if verdict is not Verdict.UNDECIDED:
                 break
-        return found
+        return verdict
 
     def _point(self, at: Any, parameters: Mapping[str, Any]) -> dict[str, Any]:
         a = np.atleast_1d(np.asarray(at, dtype=object))
@@ -539,8 +539,8 @@ class Conditions(Record):
             point[name] = self._reads.rational(name, value)
         for name in self.family.parameters:
             if name in self.given:
-                own = _exactly(self.given[name])
-                if point.setdefault(name, own) != own:
+                number = _exactly(self.given[name])
+                if point.setdefault(name, number) != number:
                     raise ParameterError(f"{name} is {float(self.given[name]):g} here; leave it.")
             if name not in point:
                 raise ParameterError(f"{name} is missing; give a number.")
@@ -614,14 +614,14 @@ def conditions(
     refuse_system(family)
     family = family_by_name(family, body, contact, parameters)
     family = instance("family", family, Family, A_FAMILY)
-    reads = Numbers(flag("decimals", decimals))
+    reads = NumberReading(flag("decimals", decimals))
     intervals = reads.intervals(family, positive, between or {})
     values = {
         known("parameter", n, family.parameters): reads.rational(n, v)
         for n, v in parameters.items()
     }
     family = steady_where(family, values)
-    own, family = family, reads.family(family)
+    stated, family = family, reads.family(family)
     budget = Budget(whole_number("terms", terms, 1), float(above_zero("seconds", seconds)))
     zeros = structure(family)
     if not zeros.steady:
@@ -648,16 +648,16 @@ def conditions(
         )
     deduction = Deduction(polynomial, domain_of(polynomial, intervals), zeros.zeros)
     said = reads.statement(family, tuple(parameters.values()))
-    record = _record(deduction, budget, own, said, (reads, intervals))
+    record = _record(deduction, budget, stated, said, (reads, intervals))
     record.__dict__["_deduction"] = deduction
     return record
 
 
 def _record(
-    deduction: Deduction, budget: Budget, family: Family, said: str, read: tuple[Numbers, Any]
+    deduction: Deduction, budget: Budget, family: Family, said: str, read: tuple[NumberReading, Any]
 ) -> Conditions:
     polynomial, shown_ = deduction.polynomial, deduction.shown
-    found = polynomial.factored
+    factored = polynomial.factored
     rows_ = deduction.conditions(budget)
     for row in rows_:
         row["witnesses"] = tuple(Witness(*w) for w in row["witnesses"])
@@ -665,12 +665,12 @@ def _record(
     return Conditions(
         family=family,
         given={n: Fraction(int(v.p), int(v.q)) for n, v in polynomial.values.items()},
-        variables=tuple(Variable(*row) for row in deduction.variables()),
+        variables=tuple(ConditionVariable(*row) for row in deduction.variables()),
         domain=tuple(deduction.assumptions()),
-        relations=tuple((found.names[i], shown_(f)) for i, f in found.relations),
+        relations=tuple((factored.names[i], shown_(f)) for i, f in factored.relations),
         solved=closed_forms(polynomial),
-        nonzero=tuple(shown_(f) for f in found.nonzero if not deduction.certain(f)),
-        zeros=found.zeros,
+        nonzero=tuple(shown_(f) for f in factored.nonzero if not deduction.certain(f)),
+        zeros=factored.zeros,
         factors=tuple(
             Factor(tuple(shown_(c, whole) for c in whole), even, count)
             for whole, even, count in deduction.factors

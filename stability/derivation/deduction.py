@@ -71,27 +71,27 @@ class Members:
             The search ends when the time is over.
         """
         waiting = [r for r in rows if r["status"] == "open"]
-        found: dict[int, dict[int, Any]] = {id(r): {} for r in waiting}
+        signs: dict[int, dict[int, Any]] = {id(r): {} for r in waiting}
         chance = random.Random(0)  # the same members each time
-        points = [self._near(chance, trial) for trial in range(TRIALS)]
+        points = [self._trial_point(chance, trial) for trial in range(TRIALS)]
         for point in points:
-            left = [r for r in waiting if len(found[id(r)]) < 2]
+            left = [r for r in waiting if len(signs[id(r)]) < 2]
             if not left or budget.spent > budget.seconds:
                 break
-            self._signs(point, left, found)
+            self._record_signs(point, left, signs)
         for row in waiting:
             others = (p for point in points[:4] for p in self._beside(row["rest"], point))
             for point in others:
-                if len(found[id(row)]) == 2 or budget.spent > budget.seconds:
+                if len(signs[id(row)]) == 2 or budget.spent > budget.seconds:
                     break
-                self._signs(point, [row], found)
+                self._record_signs(point, [row], signs)
         for row in waiting:
-            both = found[id(row)]
+            both = signs[id(row)]
             row["witnesses"] = tuple(sorted(both.items(), reverse=True))
             row["status"] = "changes" if len(both) == 2 else "open"
 
-    def _signs(
-        self, point: dict[str, Any], rows: list[dict[str, Any]], found: dict[int, dict[int, Any]]
+    def _record_signs(
+        self, point: dict[str, Any], rows: list[dict[str, Any]], signs: dict[int, dict[int, Any]]
     ) -> None:
         """Record the signs at a member, where there is one inside the domain."""
         try:
@@ -99,16 +99,16 @@ class Members:
                 values = self.values(point)
                 if not self.check(values):
                     return
-                known = dict(enumerate(values))
+                numbers = dict(enumerate(values))
                 for row in rows:
-                    value = evaluate(row["rest"], known)
+                    value = evaluate(row["rest"], numbers)
                     sign = 1 if value > 0 else -1 if value < 0 else 0
                     if sign:
-                        found[id(row)].setdefault(sign, point)
+                        signs[id(row)].setdefault(sign, point)
         except (NoMemberError, DomainError, ZeroDivisionError, NotExact):
             return
 
-    def _near(self, chance: random.Random, trial: int) -> dict[str, Any]:
+    def _trial_point(self, chance: random.Random, trial: int) -> dict[str, Any]:
         family = self.polynomial.family
         point = dict(self.polynomial.values)
         for name in (*family.at, *family.parameters):
@@ -158,16 +158,16 @@ class Members:
         DomainError
             If the member lies on another branch than the conditions.
         """
-        known = self.polynomial.member(point)
-        off = self.polynomial.elsewhere(known)
+        numbers = self.polynomial.member(point)
+        off = self.polynomial.elsewhere(numbers)
         if off is not None:
             raise DomainError(
-                f"{self.polynomial.name(off)} is {_short(known[off])} at this member, which lies "
+                f"{self.polynomial.name(off)} is {_short(numbers[off])} at this member, which lies "
                 f"on another branch of {self.polynomial.family.name} than the conditions."
             )
         exact = {n: v for n, v in point.items() if isinstance(v, fmpq)}
         return [
-            exact.get(n, known[i])
+            exact.get(n, numbers[i])
             for n, i in zip(self.whole.names, self.whole.indices, strict=True)
         ]
 
@@ -179,17 +179,17 @@ class Members:
         bool
             Whether the point is proved to lie inside; a ball may leave it open.
         """
-        known = dict(enumerate(values))
+        numbers = dict(enumerate(values))
         sure = True
         for index, limits in self.domain.bounds.items():
-            if limits.outside(known[index]):
+            if limits.outside(numbers[index]):
                 raise DomainError(
-                    f"{self.whole.names[index]} is {_short(known[index])}, outside the domain of "
+                    f"{self.whole.names[index]} is {_short(numbers[index])}, outside the domain of "
                     f"the conditions: {self.domain.interval(index)}."
                 )
-            sure = sure and (index in self.domain.natural or limits.holds(known[index]))
+            sure = sure and (index in self.domain.natural or limits.holds(numbers[index]))
         for poly, reason in (*self.domain.facts, *self.domain.assumed):
-            value = evaluate(poly, known)
+            value = evaluate(poly, numbers)
             if value <= 0:
                 raise DomainError(
                     f"{self.domain.text(poly)} is {_short(value)}; the conditions hold where it "
@@ -197,13 +197,13 @@ class Members:
                 )
             sure = sure and bool(value > 0)
         for index, poly in self.whole.relations:
-            if not arb(evaluate(poly, known)).contains(0):
+            if not arb(evaluate(poly, numbers)).contains(0):
                 raise DomainError(
                     f"{self.domain.text(poly)} is not 0, so this is no member of the branch of "
                     f"the conditions; {self.whole.names[index]} does not obey its equation."
                 )
         for poly in (*self.whole.nonzero, *self.domain.nonzero):
-            value = arb(evaluate(poly, known))
+            value = arb(evaluate(poly, numbers))
             if value == 0:
                 raise DomainError(f"{self.domain.text(poly)} is 0, which the conditions leave out.")
             sure = sure and not value.contains(0)
@@ -215,18 +215,18 @@ def _short(value: Any) -> str:
     return f"{number:.6g}"
 
 
-def sloped_somewhere(family: Family, given: Mapping[str, Any]) -> bool:
+def sloped_somewhere(family: Family, values: Mapping[str, Any]) -> bool:
     """Whether the rates have a slope at a typical member; True where no such member is found."""
     names = (*family.at, *family.parameters)
-    known = {n: float(v) for n, v in zip(names, sampled(family, 0), strict=True)}
-    known |= {n: float(v) for n, v in given.items()}
-    a, q = (np.array([[known[n] for n in part]]) for part in (family.at, family.parameters))
-    found = family.search(a, q)
-    if not found.good.all():
+    numbers = {n: float(v) for n, v in zip(names, sampled(family, 0), strict=True)}
+    numbers |= {n: float(v) for n, v in values.items()}
+    a, q = (np.array([[numbers[n] for n in part]]) for part in (family.at, family.parameters))
+    members = family.search(a, q)
+    if not members.good.all():
         return True
-    known |= dict(zip(family.unknown, found.u[0].tolist(), strict=True))
-    point = np.array([[known[n] for n in family.system.parameters]]).reshape(1, -1)
-    return bool(sloped(family.system, family.states(a, found.u, q), point)[0])
+    numbers |= dict(zip(family.unknown, members.u[0].tolist(), strict=True))
+    point = np.array([[numbers[n] for n in family.system.parameters]]).reshape(1, -1)
+    return bool(sloped(family.system, family.states(a, members.u, q), point)[0])
 
 
 LONGEST = 20_000
@@ -240,10 +240,10 @@ def domain_of(polynomial: CharacteristicPolynomial, intervals: Mapping[str, Any]
     whole = polynomial.factored
     domain = Domain(whole.ring, [*whole.names, "λ"])
     places = {old: new for new, old in enumerate(whole.indices)}
-    given = dict(intervals)
+    limits = dict(intervals)
     for name in polynomial.family.positive:
-        given.setdefault(name, (fmpq(0), None))
-    for name, (low, high) in given.items():
+        limits.setdefault(name, (fmpq(0), None))
+    for name, (low, high) in limits.items():
         if name in whole.names:
             domain.bound(whole.names.index(name), low, high)
     for old, new in places.items():
@@ -294,7 +294,7 @@ class Deduction:
 
     def _oriented(self, coefficients: Sequence[Poly], count: int) -> tuple[Any, bool, int]:
         lead = self.domain.sign(coefficients[-1])
-        turned = -1 if lead.known < 0 and not lead.open else 1
+        turned = -1 if lead.value < 0 and not lead.open else 1
         even = is_even(coefficients)
         return tuple(c * turned for c in coefficients), even, count
 
@@ -367,12 +367,12 @@ class Deduction:
 
     def _row(self, place: int, name: str, kind: str, poly: Poly) -> dict[str, Any]:
         sign = self.domain.sign(poly)
-        rest = self.whole.ring.constant(sign.known or 0)
+        rest = self.whole.ring.constant(sign.value or 0)
         for f in sign.open:
             rest = rest * f
         for f in sign.nonzero:
             rest = rest * f * f
-        status = "positive" if sign.known > 0 else "negative" if sign.known else "zero"
+        status = "positive" if sign.value > 0 else "negative" if sign.value else "zero"
         if sign.open or sign.nonzero:
             status = "open"
         return {
@@ -474,7 +474,7 @@ def hurwitz_conditions(a: Sequence[Poly], minors: Sequence[Poly]) -> list[list[N
         Hurwitz determinants of order 1 … n - 1.
     """
     n = len(a) - 1
-    found = [
+    determinants = [
         (f"Hurwitz determinant {k}", "flutter" if k == n - 1 else "auxiliary", minors[k - 1], k)
         for k in range(n - 1, 1, -2)
     ]
@@ -482,7 +482,7 @@ def hurwitz_conditions(a: Sequence[Poly], minors: Sequence[Poly]) -> list[list[N
     for powers in ({0, *range(2, n, 2)}, {0, *range(1, n, 2)}):
         if n % 2 == 0:
             powers.add(n - 1)  # the first determinant
-        sets.append([*(_coefficient(a, k) for k in sorted(powers)), *found])
+        sets.append([*(_coefficient(a, k) for k in sorted(powers)), *determinants])
     return sets
 
 
@@ -508,8 +508,8 @@ def even_conditions(a: Sequence[Poly], budget: Budget) -> list[Named]:
 
 def closed_forms(polynomial: CharacteristicPolynomial) -> tuple[tuple[str, str], ...]:
     """Closed forms; a function whose name is only a number is left out where nothing names it."""
-    found = [(i, polynomial.text(v)) for i, v in polynomial.triangular.solved.items()]
-    named = {i: polynomial.name(i) for i, _ in found}
-    texts, count = " ".join(text for _, text in found), len(polynomial.base)
+    forms = [(i, polynomial.text(v)) for i, v in polynomial.triangular.solved.items()]
+    named = {i: polynomial.name(i) for i, _ in forms}
+    texts, count = " ".join(text for _, text in forms), len(polynomial.base)
     kept = [i for i, name in named.items() if i < count or "(" in name or name in texts]
-    return tuple((named[i], text) for i, text in found if i in kept)
+    return tuple((named[i], text) for i, text in forms if i in kept)

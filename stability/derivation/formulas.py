@@ -73,8 +73,8 @@ def where(family: str, of: str, roots: int) -> tuple[str, ...]:
     >>> where("spinning", "mu**2", 2)[1]
     'phi_dot**2 > 1/k'
     """
-    known = WHERE.get((family, of), ())
-    return known if len(known) == roots else ("",) * roots
+    ranges = WHERE.get((family, of), ())
+    return ranges if len(ranges) == roots else ("",) * roots
 
 
 ROOT_BITS, DIGITS = 1024, 300
@@ -128,11 +128,11 @@ class FlutterCondition:
     def _factors(self, condition: Expr) -> list[Expr]:
         """Factors of the leading and lowest coefficient, the discriminant and the end values."""
         poly = sympy.Poly(condition, self.x)
-        found = [poly.LC(), sympy.discriminant(poly.as_expr(), self.x), poly.nth(0)]
+        expressions = [poly.LC(), sympy.discriminant(poly.as_expr(), self.x), poly.nth(0)]
         ends = [e for e in (self.low, self.high) if e is not sympy.oo]
-        found += [sympy.fraction(sympy.together(condition.subs(self.x, e)))[0] for e in ends]
+        expressions += [sympy.fraction(sympy.together(condition.subs(self.x, e)))[0] for e in ends]
         factors: dict[Expr, None] = {}
-        for expression_ in found:
+        for expression_ in expressions:
             for factor in _irreducible(expression_):
                 factors[factor] = None
         return list(factors)
@@ -340,14 +340,14 @@ def expression(polynomial: Polynomial) -> Expr:
     )
 
 
-def derived(known: Exact) -> Derived:
+def derived(exact: Exact) -> Derived:
     """The cached polynomials in the form that `stability.derivation.hurwitz` takes."""
-    names = [sympy.Symbol(n) for n in known.variables]
+    names = [sympy.Symbol(n) for n in exact.variables]
     factors = tuple(
         sympy.Poly(sum(expression(c) * LAM**i for i, c in enumerate(f)), LAM, *names)
-        for f in known.factors
+        for f in exact.factors
     )
-    return Derived(known.zeros, known.even, factors)
+    return Derived(exact.zeros, exact.even, factors)
 
 
 def formulas(family: str, law: str, k: Sequence[str] = ()) -> Formulas:
@@ -369,10 +369,10 @@ def formulas(family: str, law: str, k: Sequence[str] = ()) -> Formulas:
 
     Examples
     --------
-    >>> found = formulas("spinning", "viscous")
-    >>> found.boundaries[0]
+    >>> conditions = formulas("spinning", "viscous")
+    >>> conditions.boundaries[0]
     {'kind': 'static', 'of': 'phi_dot**2', 'formula': '1/k'}
-    >>> found.statements[0]
+    >>> conditions.statements[0]
     'for every k in (0, 1/2] and mu*² < 4*k/(2*k + 1)**2: stable beyond the static boundary'
     """
     return _formulas(str(family), str(law), tuple(_inertia(value) for value in k))
@@ -391,14 +391,14 @@ def _inertia(value: Any) -> str:
 
 @lru_cache(maxsize=32)
 def _formulas(family: str, law: str, k: tuple[str, ...]) -> Formulas:
-    known = exact_polynomial(family, law)
-    whole = derived(known)
+    exact = exact_polynomial(family, law)
+    whole = derived(exact)
     asked, proved = decisive(whole)
-    in_lambda = [_in_lambda(f, known) for f in whole.factors]
-    found = Formulas(
+    in_lambda = [_in_lambda(f, exact) for f in whole.factors]
+    formulas = Formulas(
         family,
         law,
-        known.zeros,
+        exact.zeros,
         [str(f) for f in in_lambda],
         {name: str(value) for name, value in conditions(whole)},
         [{"kind": c.kind, "positive": str(factored(c.polynomial.as_expr()))} for c in asked],
@@ -406,12 +406,12 @@ def _formulas(family: str, law: str, k: tuple[str, ...]) -> Formulas:
         [b for c in asked for b in _solved(c.kind, c.polynomial.as_expr(), family)],
         _limits([c.polynomial.as_expr() for c in asked]),
     )
-    return Formulas(**(asdict(found) | _statements(family, known, asked, k)))
+    return Formulas(**(asdict(formulas) | _statements(family, exact, asked, k)))
 
 
-def _in_lambda(factor: sympy.Poly, known: Exact) -> Expr:
+def _in_lambda(factor: sympy.Poly, exact: Exact) -> Expr:
     """A factor in λ and mu again: σ = λ/mu, without powers of mu in a denominator."""
-    if known.even or "M" not in known.variables:
+    if exact.even or "M" not in exact.variables:
         return factored(factor.as_expr())
     value = factor.as_expr().subs({LAM: LAM / MU, M: MU**2})
     return sympy.expand(sympy.fraction(sympy.together(value))[0])
@@ -473,11 +473,11 @@ def _limits(polynomials: Sequence[Expr]) -> dict[str, list[str]]:
 
 
 def _statements(
-    family: str, known: Exact, asked: Sequence[Any], k: Sequence[str]
+    family: str, exact: Exact, asked: Sequence[Any], k: Sequence[str]
 ) -> dict[str, Any]:
     flutter = [c.polynomial.as_expr() for c in asked if c.kind == "flutter"]
-    if not flutter or known.even:
-        return {"statements": _plain(family, known, asked)}
+    if not flutter or exact.even:
+        return {"statements": _plain(family, exact, asked)}
     [condition] = flutter
     if not condition.has(M):
         where = _solved("flutter", condition, family)[0]
@@ -508,8 +508,8 @@ def _statements(
     return {"statements": statements, "ranges": ranges}
 
 
-def _plain(family: str, known: Exact, asked: Sequence[Any]) -> list[str]:
-    good = "neutral" if known.even else "stable"
+def _plain(family: str, exact: Exact, asked: Sequence[Any]) -> list[str]:
+    good = "neutral" if exact.even else "stable"
     if not asked:
         return [f"for every k in (0, 1/2] and every {FAMILIES[family].at[-1]}: {good}"]
     shown = [factored(c.polynomial.as_expr()) for c in asked]

@@ -125,14 +125,14 @@ def conditions(derived: Derived) -> tuple[tuple[str, Expr], ...]:
 
 
 @lru_cache(maxsize=1024)
-def positive(expression: Expr, given: Expr | None = None) -> str | None:
+def positive(expression: Expr, assumed: Expr | None = None) -> str | None:
     """A proof that an expression is positive for k in (0, 1/2], s in (0, 1), M > 0, z > 0.
 
     Parameters
     ----------
     expression
         Polynomial in k, M, z, s.
-    given
+    assumed
         A polynomial that is assumed positive and is linear in some variable.
 
     Returns
@@ -151,14 +151,16 @@ def positive(expression: Expr, given: Expr | None = None) -> str | None:
         (SIN, sympy.Integer(1), 1 + t, "s = 1/(1 + t)"),
     ]
     trials: list[list[tuple[sympy.Symbol, Expr, Expr, str]]] = [[]]
-    if given is not None:
+    if assumed is not None:
         trials = []
-        for variable in sorted(given.free_symbols - {K}, key=str):
-            poly = sympy.Poly(given, variable)
+        for variable in sorted(assumed.free_symbols - {K}, key=str):
+            poly = sympy.Poly(assumed, variable)
             if poly.degree() == 1 and positive(poly.LC()):
-                said = f"{variable} from {given} = v > 0"
+                said = f"{variable} from {assumed} = v > 0"
                 trials.append([(variable, v - poly.nth(0), poly.LC(), said)])
-    names = expression.free_symbols | {K, SIN, *SLACK}.union(given.free_symbols if given else ())
+    names = expression.free_symbols | {K, SIN, *SLACK}.union(
+        assumed.free_symbols if assumed else ()
+    )
     # elements of a ring: polynomials of SymPy go through expressions, at six times the cost
     ring = PolyRing(sorted(names, key=str), sympy.QQ)
     start = ring.from_expr(expression)

@@ -73,13 +73,13 @@ def symbols(names: Iterable[str]) -> dict[str, str]:
     >>> list(symbols(["q1", "q_1"]).values())
     ['q_{1}', '\\mathit{q\\_1}']
     """
-    found: dict[str, str] = {}
+    table: dict[str, str] = {}
     for name in dict.fromkeys(names):
         made = symbol(name)
-        if made in found.values():
+        if made in table.values():
             made = rf"\mathit{{{escaped(name)}}}"
-        found[name] = made
-    return found
+        table[name] = made
+    return table
 
 
 def symbol(name: str) -> str:
@@ -129,9 +129,11 @@ def _letter(word: str) -> str:
 
 def converted(text: str, names: Collection[str] = ()) -> str:
     """The text of an expression in a user's names; names such as sqrt(b) are one symbol."""
-    known = "".join(rf"(?<!\w){re.escape(n)}(?!\w)|" for n in sorted(names, key=len, reverse=True))
+    pattern = "".join(
+        rf"(?<!\w){re.escape(n)}(?!\w)|" for n in sorted(names, key=len, reverse=True)
+    )
     out: list[str] = []
-    for token in re.findall(rf"{known}[<>]=|\*\*\d+|[^\W\d_]\w*|\d+|.", text):
+    for token in re.findall(rf"{pattern}[<>]=|\*\*\d+|[^\W\d_]\w*|\d+|.", text):
         if token.startswith("**"):
             out[-1] = f"{{{out[-1].strip()}}}^{{{token[2:]}}} "
         elif token[0].isalpha():
@@ -223,8 +225,8 @@ def escaped(text: str) -> str:
     table |= {sign: f"${SIGNS[sign].rstrip()}$" for sign in "≈≤≥→≠±·∞"}
     table |= {letter: rf"$\{word}$" for letter, word in GREEK_LETTERS.items()}
 
-    def written(found: re.Match[str]) -> str:  # LaTeX reads other letters in UTF-8
-        return rf"$\lambda^{{{found[1]}}}$" if found[1] else table.get(found[0], found[0])
+    def written(match: re.Match[str]) -> str:  # LaTeX reads other letters in UTF-8
+        return rf"$\lambda^{{{match[1]}}}$" if match[1] else table.get(match[0], match[0])
 
     return breaking(re.sub(r"λ\^(\d+)|.", written, text, flags=re.DOTALL))
 

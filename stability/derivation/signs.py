@@ -78,13 +78,13 @@ def number_of(poly: Any) -> Any:
 
 def real_roots(poly: Any) -> list[Any]:
     """Real roots of an `fmpq_poly` as balls, sorted; a rational root is exact."""
-    found: list[Any] = []
+    roots: list[Any] = []
     for factor, _ in poly.numer().factor()[1]:
         if factor.degree() == 1:
-            found.append(fmpq(-int(factor[0]), int(factor[1])))
+            roots.append(fmpq(-int(factor[0]), int(factor[1])))
         elif factor.degree() > 1:
-            found += [r.real for r, _ in factor.complex_roots() if r.imag == 0]
-    return sorted(found, key=lambda r: r if isinstance(r, fmpq) else r.mid().fmpq())
+            roots += [r.real for r, _ in factor.complex_roots() if r.imag == 0]
+    return sorted(roots, key=lambda r: r if isinstance(r, fmpq) else r.mid().fmpq())
 
 
 def between(roots: Sequence[Any], low: Any, high: Any) -> Iterator[Any]:
@@ -177,9 +177,9 @@ def _completed(
         if share > 1:
             continue
         left = {e: v * (1 - share) / 2 if e in (a, b) else v for e, v in good.items()}
-        found = _completed({e: v for e, v in left.items() if v}, others)
-        if found is not None:
-            return found
+        completed = _completed({e: v for e, v in left.items() if v}, others)
+        if completed is not None:
+            return completed
     return None
 
 
@@ -191,7 +191,7 @@ MOST_TERMS = 4000
 class Sign:
     """The sign of a polynomial: a known sign times factors whose sign is open."""
 
-    known: int
+    value: int
     """1 or -1; 0 for the polynomial zero."""
     open: tuple[Poly, ...]
     """Factors of odd power whose sign is not proved."""
@@ -253,7 +253,7 @@ class Domain:
                 self._waiting.remove(entry)
                 changed = True
                 if sign.open:
-                    self._take(sign.open[0] * sign.known, entry[1])
+                    self._take(sign.open[0] * sign.value, entry[1])
 
     def exclude(self, poly: Poly) -> None:
         """Take a polynomial as different from zero; a bound where it vanishes is not allowed."""
@@ -296,16 +296,16 @@ class Domain:
         """The sign of a polynomial, factor by factor."""
         if poly == 0:
             return Sign(0, (), (), ())
-        constant, found = factors(poly)
-        known = 1 if constant > 0 else -1
+        constant, factorisation = factors(poly)
+        sign = 1 if constant > 0 else -1
         open_: list[Poly] = []
         reasons: list[str] = []
         nonzero: list[Poly] = []
-        for factor, power in found:
+        for factor, power in factorisation:
             why = self.positive(factor)
             turned = None if why else self.positive(-factor)
             if why or turned:
-                known *= -1 if turned and power % 2 else 1
+                sign *= -1 if turned and power % 2 else 1
                 sense = "> 0" if why else "< 0"
                 reasons.append(f"{self.text(factor)} {sense}: {why or turned}")
             elif power % 2:
@@ -314,7 +314,7 @@ class Domain:
                 reasons.append(f"({self.text(factor)})**{power} > 0: an even power")
             else:
                 nonzero.append(factor)
-        return Sign(known, tuple(open_), tuple(reasons), tuple(nonzero))
+        return Sign(sign, tuple(open_), tuple(reasons), tuple(nonzero))
 
     def positive(self, poly: Poly) -> str | None:
         """A proof that a polynomial is positive in the whole domain, or None."""
@@ -330,8 +330,8 @@ class Domain:
             ratio = _ratio(poly, fact)
             if ratio is not None and ratio > 0:
                 return reason
-        found = self._inside(poly) or self._termwise(poly) or self._rootless(poly)
-        return found or self._as_squares(poly)
+        proof = self._inside(poly) or self._termwise(poly) or self._rootless(poly)
+        return proof or self._as_squares(poly)
 
     def _inside(self, poly: Poly) -> str | None:
         """A bound of one variable says it."""
@@ -346,20 +346,20 @@ class Domain:
             return None
         return "in the domain"
 
-    def implied(self, poly: Poly, given: Poly, name: str) -> str | None:
+    def implied(self, poly: Poly, assumed: Poly, name: str) -> str | None:
         """A proof that a polynomial is positive where another one is, or None.
 
         Parameters
         ----------
         poly
             The polynomial.
-        given
+        assumed
             A polynomial that is positive, linear in some variable with a factor of proved sign.
         name
             What the proof calls the other one.
         """
-        for index in sorted(occurring(given) & occurring(poly)):
-            parts = by_power(given, index)
+        for index in sorted(occurring(assumed) & occurring(poly)):
+            parts = by_power(assumed, index)
             if max(parts) != 1:
                 continue
             for sign in (1, -1):
@@ -481,7 +481,7 @@ class Domain:
             return None
         (index,) = variables
         limits = self.bounds.get(index, Bounds())
-        one = univariate(poly, index)
+        single = univariate(poly, index)
         inside = limits.low if limits.low is not None else limits.high
         if limits.low is not None:
             inside = limits.low + (
@@ -491,9 +491,9 @@ class Domain:
             inside = limits.high - 1
         else:
             inside = fmpq(0)
-        if not one(inside) > 0:
+        if not single(inside) > 0:
             return None
-        if not all(limits.outside(root) for root in real_roots(one)):
+        if not all(limits.outside(root) for root in real_roots(single)):
             return None
         return f"positive at {self.names[index]} = {inside}, without a root in the interval"
 

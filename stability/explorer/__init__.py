@@ -5,5 +5,5 @@ families a page has; each is a `PageSubject` (`subject.py`): a `Family` with its
 formulas (`formulas.py`, `verdicts.py`) become JavaScript (`source.py`);
 `page.py` joins `script/` and data.  May import `atlas`, `compare` and the floors below.
 To add what a page tells of a family: `subject.py`, and a module in `script/` that shows it.
-To add a way to decide a verdict: a function in `verdicts.py` that gives one `Formulas`.
+To add a way to decide a verdict: a function in `verdicts.py` that gives one `PageFormulas`.
 """

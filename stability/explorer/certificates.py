@@ -46,9 +46,10 @@ def certificate(
     dict
         Axes, held values, and the tree of rectangles.
     """
-    known = subject.called
+    quantities = subject.called
     axes = [
-        Axis(n, known[n].low, known[n].high, (1 << levels) + 1, log=False) for n in subject.axes
+        Axis(n, quantities[n].low, quantities[n].high, (1 << levels) + 1, log=False)
+        for n in subject.axes
     ]
     boxes = prove_boxes(problem(axes, dict(held)), (axes[0], axes[1]), levels)
     return {
@@ -92,18 +93,18 @@ def packed(boxes: Boxes, x: Axis, y: Axis) -> str:
     >>> packed(Boxes(x, y, np.array([1, 2, 0, 3], dtype=np.int8), 1, 0.75), axis, axis)
     '+SU?N'
     """
-    found: dict[tuple[int, int, int], int] = {}
+    codes: dict[tuple[int, int, int], int] = {}
     for (x0, x1), (y0, _), code in zip(boxes.x, boxes.y, boxes.codes.tolist(), strict=True):
         level = round(float(np.log2((x.high - x.low) / (x1 - x0))))
         i = round((x0 - x.low) / (x.high - x.low) * 2**level)
         j = round((y0 - y.low) / (y.high - y.low) * 2**level)
-        found[level, i, j] = code
+        codes[level, i, j] = code
     letters: list[str] = []
     waiting = [(0, 0, 0)]
     while waiting:
         level, i, j = place = waiting.pop()
-        if place in found:
-            letters.append(LETTERS[found[place]])
+        if place in codes:
+            letters.append(LETTERS[codes[place]])
             continue
         letters.append(SPLIT)
         corners = ((0, 0), (1, 0), (0, 1), (1, 1))

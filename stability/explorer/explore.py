@@ -120,10 +120,10 @@ def explore(
                 raise ParameterError(
                     f"{name} belongs to a disk or body; leave it out for your own family."
                 )
-        own = family.system.name
+        system_name = family.system.name
         contents = system_page(family, at, axes, positive, parameters, certify=certify)
     else:
-        own = ""
+        system_name = ""
         moving = _body(disk, body)
         where = {"pole": pole, "theta": theta}
         contents = round_page(
@@ -133,7 +133,7 @@ def explore(
     if out is None:
         return widget(data)
     text = page(data, contents.title)
-    keys = cited(model=not own, system=own, proofs=certify)
+    keys = cited(model=not system_name, system=system_name, proofs=certify)
     origin = origin_of("explore", parameters | {"at": at, "contents": text}, keys)
     write_file(out, text, overwrite=overwrite, origin=origin)
     return Path(out)

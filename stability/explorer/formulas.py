@@ -45,7 +45,7 @@ class Rule:
 
 
 @dataclass(frozen=True)
-class Formulas:
+class PageFormulas:
     """What decides the verdict of a family, as functions of a number type and its quantities."""
 
     names: tuple[str, ...]
@@ -79,10 +79,10 @@ class Formulas:
 
     def states(self, family: Family, algebra: Algebra, q: Values) -> list[Any]:
         """States of a member of the family."""
-        given = dict(zip(self.names, q, strict=True))
-        known = {**family.fixed, **self.unknown(algebra, q), **given}
-        found = [known[n] for n in family.system.states]
-        return [math.pi / 2 if isinstance(v, Upright) else v for v in found]
+        numbers = dict(zip(self.names, q, strict=True))
+        values = {**family.fixed, **self.unknown(algebra, q), **numbers}
+        states = [values[n] for n in family.system.states]
+        return [math.pi / 2 if isinstance(v, Upright) else v for v in states]
 
 
 def share_of(polynomial: Polynomial, roundings: Mapping[str, int]) -> float:
@@ -141,7 +141,7 @@ def typeset(polynomial: Polynomial, names: Mapping[str, tuple[str, int]], shift:
         return f"<i>{letter}</i>" + f"<sub>{below}</sub>" * bool(below)
 
     def between(symbols: Sequence[str]) -> str:
-        return " " if any(WORD.search(one.partition("_")[0]) for one in symbols) else ""
+        return " " if any(WORD.search(symbol.partition("_")[0]) for symbol in symbols) else ""
 
     return _terms(polynomial, names, shift, text, between)
 
@@ -193,8 +193,8 @@ def _terms(
         if abs(c) != 1 or not factors:
             factors.insert(0, _size(c, shift))
         words.append((" − " if c < 0 else " + ") + between(symbols).join(factors))
-    found = "".join(words) or "0"
-    return found[3:] if found.startswith(" + ") else found.replace(" − ", "−", 1)
+    line = "".join(words) or "0"
+    return line[3:] if line.startswith(" + ") else line.replace(" − ", "−", 1)
 
 
 def shift_of(polynomials: Sequence[Polynomial]) -> int:
@@ -253,15 +253,15 @@ class Solver:
     def told(self) -> dict[str, Any]:
         """The record in the page."""
         family, names = self.family, self.unknown
-        known = family.anchor
+        anchor = family.anchor
         return {
             "names": names,
             "equations": graph(family.graph.along),
             "cut": len(family.at),
             "guess": list(family.unknown.values()),
             "positive": [i for i, name in enumerate(names) if name in family.positive],
-            "anchor": {"given": known.given.tolist(), "unknown": list(known.unknown)}
-            if known
+            "anchor": {"given": anchor.given.tolist(), "unknown": list(anchor.unknown)}
+            if anchor
             else None,
         }
 
@@ -269,16 +269,16 @@ class Solver:
         """Quantities with unknowns, by Newton's method from a guess, and what is positive there."""
         family, count = self.family, len(q) - len(self.unknown)
         cut, program, size = len(family.at), family.graph.along, algebra.functions["fabs"]
-        given, u = list(q[:count]), list(q[count:])
+        numbers, u = list(q[:count]), list(q[count:])
         trust: list[Any] = []
         for _ in range(STEPS):
-            at = [given[:cut], u, given[cut:]]
+            at = [numbers[:cut], u, numbers[cut:]]
             r, slope = (program.dense(algebra, at, i) for i in (0, 1))
             step = [row[0] for row in solution(algebra, slope, r)]
             u = [a - b for a, b in zip(u, step, strict=True)]
             trust = [CLOSE * (1.0 + size(a)) - size(b) for a, b in zip(u, step, strict=True)]
         trust += [a for a, name in zip(u, self.unknown, strict=True) if name in family.positive]
-        return [*given, *u], trust
+        return [*numbers, *u], trust
 
 
 def solver_of(family: Family) -> Solver | None:

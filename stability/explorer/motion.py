@@ -17,7 +17,7 @@ from ..bodies.round_body.models.pole_model import FRONT, PLACE, pole_model
 from ..bodies.round_body.pole_equations import SLIP, smooth_at
 from ..bodies.round_body.shape import RoundShape
 from ..systems.family import Family
-from .formulas import Formulas, Values
+from .formulas import PageFormulas, Values
 from .source import graph, javascript
 
 FLAT = math.sin(1e-6)
@@ -146,7 +146,7 @@ def meridian(body: RoundShape, family: Family) -> dict[str, Any]:
     return {"point": graph(Program(point)), "low": low, "high": high}
 
 
-def start_along_axes(family: Family, formulas: Formulas, model: Model, pole: int) -> str:
+def start_along_axes(family: Family, formulas: PageFormulas, model: Model, pole: int) -> str:
     """JavaScript: quantities, tilt → start of a launch along fixed axes, as `launch` gives it."""
 
     def start(algebra: Algebra, q: Values, tilt: Values) -> list[Any]:
@@ -154,8 +154,8 @@ def start_along_axes(family: Family, formulas: Formulas, model: Model, pole: int
             upright = 0.0 if pole == 1 else math.pi
             six = [upright + pole * tilt[0], 0.0, 0.0, pole * q[0], 0.0, 0.0]
         else:
-            found = formulas.states(family, algebra, q)
-            six = [found[0] - tilt[0], *found[1:], *[0.0] * (6 - len(found))]
+            states = formulas.states(family, algebra, q)
+            six = [states[0] - tilt[0], *states[1:], *[0.0] * (6 - len(states))]
         theta, theta_dot, phi_dot, omega3, *slip = six
         sine, cosine = (algebra.functions[n](theta) for n in ("sin", "cos"))
         spin = omega3 - phi_dot * cosine

@@ -127,15 +127,15 @@ def foot(source: str, units: PageUnits | None = None) -> str:
     return f"{words}, without dimension (m = R = g = 1), and shows SI units for {units.body}."
 
 
-def axis_of(given: Any, which: str) -> Axis | None:
+def axis_of(axis: Any, which: str) -> Axis | None:
     """An axis from (name, low, high) and perhaps "log", as of a map without its count."""
-    if given is None:
+    if axis is None:
         return None
-    if not isinstance(given, (list, tuple)) or len(given) not in (3, 4):
+    if not isinstance(axis, (list, tuple)) or len(axis) not in (3, 4):
         raise ParameterError(
-            f"{which} is {shown(given)}; give (name, low, high) or (name, low, high, 'log')."
+            f"{which} is {shown(axis)}; give (name, low, high) or (name, low, high, 'log')."
         )
-    return Axis.of((*given[:3], 2, *given[3:]), which)
+    return Axis.of((*axis[:3], 2, *axis[3:]), which)
 
 
 ENTRY = "explorer.js"
@@ -155,8 +155,8 @@ def page(data: Mapping[str, Any], title: str) -> str:
         "THREE": library().replace("</script", "<\\/script"),
         "SCRIPT": script().replace("</script", "<\\/script"),
     }
-    found = _read("page.html")
-    return re.sub(r"@(\w+)@", lambda match: parts[match.group(1)], found)
+    template = _read("page.html")
+    return re.sub(r"@(\w+)@", lambda match: parts[match.group(1)], template)
 
 
 def module(data: Mapping[str, Any]) -> str:
@@ -211,8 +211,8 @@ def _texts(value: Any) -> Iterator[str]:
     if isinstance(value, str):
         yield value
     elif isinstance(value, (Mapping, list, tuple)):
-        for one in value.values() if isinstance(value, Mapping) else value:
-            yield from _texts(one)
+        for entry in value.values() if isinstance(value, Mapping) else value:
+            yield from _texts(entry)
 
 
 def json_in_html(data: Mapping[str, Any]) -> str:

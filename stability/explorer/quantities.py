@@ -13,7 +13,7 @@ from ..base.quantities import Quantity as Known
 
 
 @dataclass(frozen=True)
-class Quantity:
+class PageQuantity:
     """A number that the reader of the page may change."""
 
     name: str
@@ -42,7 +42,7 @@ class Quantity:
     @classmethod
     def of(
         cls,
-        known: Known,
+        quantity: Known,
         low: float,
         high: float,
         value: float,
@@ -50,13 +50,21 @@ class Quantity:
         name: str = "",
         unit: str | None = None,
         **limits: Any,
-    ) -> Quantity:
+    ) -> PageQuantity:
         """A quantity of a disk or body: name in calls and unit are its own where none is given."""
-        symbol = (known.symbol or known.name).removesuffix("/mR²")
-        label = "" if known.long_name == symbol else known.long_name
-        unit = known.kind.label(dimensionless=True) if unit is None else unit
+        symbol = (quantity.symbol or quantity.name).removesuffix("/mR²")
+        label = "" if quantity.long_name == symbol else quantity.long_name
+        unit = quantity.kind.label(dimensionless=True) if unit is None else unit
         return cls(
-            name or known.name, symbol, label, unit, low, high, value, kind=known.kind, **limits
+            name or quantity.name,
+            symbol,
+            label,
+            unit,
+            low,
+            high,
+            value,
+            kind=quantity.kind,
+            **limits,
         )
 
     def told(self) -> dict[str, Any]:
@@ -79,7 +87,7 @@ class Quantity:
             )
         return number
 
-    def at(self, value: Any) -> Quantity:
+    def at(self, value: Any) -> PageQuantity:
         """The quantity with another number at first, or an error that says which it may have."""
         return replace(self, value=self.checked(value))
 
@@ -138,21 +146,21 @@ class PageUnits:
         """What a page without SI units measures in, in words."""
         return f"dimensionless, m = {'R' if self.length == 'radius' else 'R (length)'} = g = 1"
 
-    def plain(self, quantity: Quantity, value: Any) -> float:
+    def plain(self, quantity: PageQuantity, value: Any) -> float:
         """A number of a quantity without dimension, from the user's units."""
         return float(checked(quantity.name, value)) / float(self.units.size(quantity.kind))
 
     @property
     def body(self) -> str:
         """Mass, length and gravity as a reader sees them."""
-        one = self.units
-        return f"m = {one.mass:.6g} kg, R = {one.length:.6g} m, g = {one.gravity:.6g} m/s²"
+        units = self.units
+        return f"m = {units.mass:.6g} kg, R = {units.length:.6g} m, g = {units.gravity:.6g} m/s²"
 
     def told(self) -> dict[str, Any]:
         """The record in the page; empty for a body without dimension."""
         if self.dimensionless:
             return {}
-        one = self.units
-        given = {"mass": one.mass, self.length: one.length, "gravity": one.gravity}
+        units = self.units
+        scales = {"mass": units.mass, self.length: units.length, "gravity": units.gravity}
         sizes = {k.name: [v, readable(k.si)] for k, v in self.sizes.items() if k.words}
-        return {"given": given, "body": self.body, "sizes": sizes}
+        return {"given": scales, "body": self.body, "sizes": sizes}

@@ -31,10 +31,10 @@ from ..spectra.axes import swept
 from ..spectra.problem import Problem
 from ..systems.family import Family
 from .certificates import certificate, own_certificates
-from .formulas import Formulas
+from .formulas import PageFormulas
 from .motion import body_of, launch_model, meridian, motion_of, start_along_axes, through_poles
 from .page import LAW_NAMES, Contents, shared
-from .quantities import PageUnits, Quantity
+from .quantities import PageQuantity, PageUnits
 from .subject import PageSubject
 from .verdicts import closed_formulas, derived_formulas, stored_formulas
 
@@ -45,7 +45,7 @@ MOST = 720_000
 
 
 @dataclass(frozen=True)
-class Choice:
+class PageFamily:
     """A family on the page; of a body, vertical spin on either pole."""
 
     key: str
@@ -67,7 +67,7 @@ class Choice:
         return {} if not self.pole else {"pole": 0 if self.pole == 1 else "pi"}
 
 
-class _Body:
+class _PageBody:
     """A body: its families under three laws, by polynomials that are derived or have its height."""
 
     argument = "body"
@@ -80,7 +80,7 @@ class _Body:
     """What the page computes from, in words."""
     title = "{} of a body"
     """Title of the page, with a place for the family."""
-    choices: Sequence[Choice]
+    choices: Sequence[PageFamily]
     """Families of the page."""
     friction = FRICTION[2]
     """Coefficient of friction at first, dimensionless."""
@@ -102,29 +102,29 @@ class _Body:
         """How Python makes it, with a place for each number; empty for one of the user's own."""
         near = None if theta is None else one_number("theta", theta)
         self.choices = [
-            Choice("rolling", "rolling", "Rolling", theta=near),
-            Choice("spinning", "spinning", "Spinning"),
-            Choice("tumbling", "tumbling", "Tumbling"),
+            PageFamily("rolling", "rolling", "Rolling", theta=near),
+            PageFamily("spinning", "spinning", "Spinning"),
+            PageFamily("tumbling", "tumbling", "Tumbling"),
             *self._vertical(),
         ]
 
-    def _vertical(self) -> list[Choice]:
+    def _vertical(self) -> list[PageFamily]:
         """Vertical spin, at θ = π too where it is another motion there."""
         theta = np.linspace(0.3, 1.2, 4)
         height, turned = (self.body.height_at(t) for t in (theta, math.pi - theta))
         both = smooth_at(self.body, 1) and smooth_at(self.body, -1)
         if both and np.allclose(height, turned, rtol=1e-13):
-            return [Choice("vertical", "vertical", "Vertical", 1)]
+            return [PageFamily("vertical", "vertical", "Vertical", 1)]
         return [
-            Choice("vertical", "vertical", "Vertical, θ = 0", 1),
-            Choice("vertical-pi", "vertical", "Vertical, θ = π", -1),
+            PageFamily("vertical", "vertical", "Vertical, θ = 0", 1),
+            PageFamily("vertical-pi", "vertical", "Vertical, θ = π", -1),
         ]
 
     def motion(self, name: str) -> str:
         """The motion of a family in words."""
         return f"{self.body.name}: {FAMILIES[name].motion}"
 
-    def family(self, choice: Choice, law: str) -> Family:
+    def family(self, choice: PageFamily, law: str) -> Family:
         """A family under a law."""
         return self.body.family(choice.name, law, **choice.arguments)
 
@@ -138,19 +138,19 @@ class _Body:
         room = 0.01 * (high - low)
         return round(low + room, 3), round(high - room, 3), round((low + high) / 2, 2)
 
-    def numbers(self, family: Family, law: str) -> dict[str, Quantity]:  # noqa: ARG002
+    def numbers(self, family: Family, law: str) -> dict[str, PageQuantity]:  # noqa: ARG002
         """The numbers of the law and of the body, by their names in the family."""
         return {name: self._number(family, name) for name in family.parameters}
 
-    def _number(self, family: Family, name: str) -> Quantity:
+    def _number(self, family: Family, name: str) -> PageQuantity:
         """A coefficient of friction, or a number of the body."""
         quantity = family.system.quantities[name]
         if name == "mu":
-            return Quantity.of(quantity, *FRICTION[:2], self.friction, least=0.0)
+            return PageQuantity.of(quantity, *FRICTION[:2], self.friction, least=0.0)
         value = float(self.body.given[name])
         least, most = self.body.limits.get(name, (0.0, math.inf))
         high = min(2.0 * value if value > 0 else 1.0, most)
-        return Quantity.of(
+        return PageQuantity.of(
             quantity,
             max(least, 0.0) + 0.02 * high,
             high,
@@ -160,7 +160,12 @@ class _Body:
             most=float(np.nextafter(most, math.inf)) if math.isfinite(most) else None,
         )
 
-    def formulas(self, family: Family, law: str, quantities: Mapping[str, Quantity]) -> Formulas:  # noqa: ARG002
+    def formulas(
+        self,
+        family: Family,
+        law: str,  # noqa: ARG002
+        quantities: Mapping[str, PageQuantity],
+    ) -> PageFormulas:
         """What decides the verdict."""
         derive = derived_formulas if family.formulas is None else closed_formulas
         formulas = derive(family, quantities)
@@ -179,14 +184,14 @@ class _Body:
         """Proved rectangles of a subject."""
         return own_certificates(subject)
 
-    def subject(self, choice: Choice, law: str, at: Any = None) -> PageSubject:
+    def subject(self, choice: PageFamily, law: str, at: Any = None) -> PageSubject:
         """A family under a law, with its member at first."""
         family = self.family(choice, law)
         state = family.system.quantities[family.at[0]]
         ends: dict[str, Any] = {}
         if state.kind is Kind.ANGLE:
             ends = dict(zip(("least", "most"), self.shape.between, strict=True))
-        first = Quantity.of(state, *self.members(choice.name), name=self.called_at, **ends)
+        first = PageQuantity.of(state, *self.members(choice.name), name=self.called_at, **ends)
         if at is not None:
             first = replace(first, value=self.units.plain(first, first.checked(at)))
         quantities = {state.name: first, **self.numbers(family, law)}
@@ -226,7 +231,7 @@ class _Body:
         )
 
 
-class _Disk(_Body):
+class _Disk(_PageBody):
     """The disk: its families under every stored law, by the stored polynomials."""
 
     argument = "disk"
@@ -234,9 +239,9 @@ class _Disk(_Body):
     computed_from = "the exact polynomials and the equations of motion of the package"
     title = "Steady motions of a disk"
     called_at = "at"
-    choices = tuple(Choice(n, n, n.capitalize()) for n, f in FAMILIES.items() if f.drawn)
+    choices = tuple(PageFamily(n, n, n.capitalize()) for n, f in FAMILIES.items() if f.drawn)
     first = {"rolling": 1.2, "spinning": 2.2, "tumbling": 0.9}
-    inertia = Quantity.of(
+    inertia = PageQuantity.of(
         QUANTITIES["k"],
         *(0.05, 0.5, 0.25),
         unit="",
@@ -260,7 +265,7 @@ class _Disk(_Body):
     def motion(self, name: str) -> str:
         return FAMILIES[name].disk_motion
 
-    def family(self, choice: Choice, law: str) -> Family:
+    def family(self, choice: PageFamily, law: str) -> Family:
         return disk_family(choice.name, law)
 
     def members(self, name: str) -> tuple[float, float, float]:
@@ -272,17 +277,19 @@ class _Disk(_Body):
             self.first.get(name, (low + high) / 2),
         )
 
-    def numbers(self, family: Family, law: str) -> dict[str, Quantity]:  # noqa: ARG002
+    def numbers(self, family: Family, law: str) -> dict[str, PageQuantity]:  # noqa: ARG002
         """Friction, in words that are the same for every law, and the inertia factor."""
         quantities = {}
         for number in LAWS[law].parameters[:1]:
             coefficient = replace(QUANTITIES[number.name], long_name=QUANTITIES["mu"].long_name)
-            quantities[number.place] = Quantity.of(
+            quantities[number.place] = PageQuantity.of(
                 coefficient, *FRICTION[:2], self.friction, name="mu", least=0.0
             )
         return quantities | {"k": self.k}
 
-    def formulas(self, family: Family, law: str, quantities: Mapping[str, Quantity]) -> Formulas:
+    def formulas(
+        self, family: Family, law: str, quantities: Mapping[str, PageQuantity]
+    ) -> PageFormulas:
         return stored_formulas(family, law, quantities)
 
     def certificates(self, subject: PageSubject) -> list[Any]:
@@ -332,10 +339,10 @@ def round_page(
         for word, value, motion in (("pole", pole, "vertical spin"), ("theta", theta, "rolling")):
             if value is not None:
                 raise ParameterError(f"{word} belongs to {motion} of a body; leave it out.")
-        source: _Body = _Disk(body)
+        source: _PageBody = _Disk(body)
     else:
         refuse_constants(body, [axis.name for axis in axes if axis is not None])
-        source = _Body(body, theta)
+        source = _PageBody(body, theta)
     names = list(dict.fromkeys(choice.name for choice in source.choices))
     if not isinstance(family, str) or family not in names:
         raise NameUnknownError(
@@ -360,7 +367,7 @@ def round_page(
     )
 
 
-def _law(contact: Any, numbers: dict[str, Any], source: _Body) -> tuple[str, float]:
+def _law(contact: Any, numbers: dict[str, Any], source: _PageBody) -> tuple[str, float]:
     """Name of the law at first, and its coefficient without dimension."""
     word, friction = contact, source.friction
     if contact is None and not numbers:
@@ -386,7 +393,7 @@ def _law(contact: Any, numbers: dict[str, Any], source: _Body) -> tuple[str, flo
     return word, friction
 
 
-def _chosen(source: _Body, name: str, pole: Any, theta: Any) -> Choice:
+def _chosen(source: _PageBody, name: str, pole: Any, theta: Any) -> PageFamily:
     """The family with a name, at the pole or inclination."""
     if name != "vertical" and pole is not None:
         raise ParameterError(f"pole belongs to vertical spin; leave it out for {name}.")
@@ -400,9 +407,9 @@ def _chosen(source: _Body, name: str, pole: Any, theta: Any) -> Choice:
 
 
 def _fitting(
-    source: _Body,
+    source: _PageBody,
     motions: Mapping[str, Any],
-    first: Choice,
+    first: PageFamily,
     start: PageSubject,
     at: Any,
 ) -> tuple[list[PageSubject], list[PageSubject]]:
@@ -440,7 +447,7 @@ def _size(subjects: Sequence[PageSubject], motions: Mapping[str, Any]) -> int:
     return len(json.dumps(shared(data)))
 
 
-def _left_out(choices: Sequence[Choice], gone: Sequence[PageSubject], first: Choice) -> str:
+def _left_out(choices: Sequence[PageFamily], gone: Sequence[PageSubject], first: PageFamily) -> str:
     """The sentence that names the families and laws without room on the page."""
     laws = [LAW_NAMES.get(s.law, s.law) for s in gone if s.button == first.key]
     names = {s.button for s in gone} - {first.key}

@@ -51,11 +51,11 @@ def javascript(inputs: Sequence[int], formula: Callable[..., Sequence[Any]]) -> 
     '(a0) => {\nconst t0 = a0[0] * a0[1],t1 = t0 + 1;\nreturn [t1];\n}'
     """
     record = Record(JAVASCRIPT)
-    given = [[Line(record, f"a{i}[{j}]") for j in range(n)] for i, n in enumerate(inputs)]
-    found = ", ".join(record.text(v) for v in formula(record.algebra(), *given))
+    arguments = [[Line(record, f"a{i}[{j}]") for j in range(n)] for i, n in enumerate(inputs)]
+    outputs = ", ".join(record.text(v) for v in formula(record.algebra(), *arguments))
     names = ", ".join(f"a{i}" for i in range(len(inputs)))
     lines = [f"const {','.join(record.lines)};"] if record.lines else []
-    return "\n".join([f"({names}) => {{", *lines, f"return [{found}];", "}"])
+    return "\n".join([f"({names}) => {{", *lines, f"return [{outputs}];", "}"])
 
 
 def graph(program: Program) -> str:
@@ -123,18 +123,18 @@ def look(quantities: int, formula: Callable[..., Seen], even: Sequence[bool]) ->
     there = [record.text(v) for v in members]
     least = (f"Math.min({', '.join(texts)})" for texts in (["Infinity", *signs], ["1", *there]))
     lines = [f"const {','.join(record.lines)};"] if record.lines else []
-    found = ", ".join([f"Math.max({', '.join(['-Infinity', *rates])})", *least])
-    body = ["return (a0) => {", *lines, f"return [{found}];", "}; })()"]
+    outputs = ", ".join([f"Math.max({', '.join(['-Infinity', *rates])})", *least])
+    body = ["return (a0) => {", *lines, f"return [{outputs}];", "}; })()"]
     return "\n".join(["(() => {", *needed.values(), *body])
 
 
 def _abscissa(degree: int, *, even: bool) -> tuple[str, str]:
     """Name and source of the largest real part of the roots, from the coefficients."""
-    given = ", ".join(f"c{i}" for i in range(degree + 1))
+    arguments = ", ".join(f"c{i}" for i in range(degree + 1))
     if degree == 1:
-        return "abscissa1", f"function abscissa1({given}) {{ return -c0 / c1; }}"
+        return "abscissa1", f"function abscissa1({arguments}) {{ return -c0 / c1; }}"
     if degree == 2 and even:
-        text = f"function even2({given}) {{ return Math.sqrt(Math.max(0, -c0 / c2)); }}"
+        text = f"function even2({arguments}) {{ return Math.sqrt(Math.max(0, -c0 / c2)); }}"
         return "even2", text
     lines = [f"const i = 1 / c{degree};"]
     sizes = (
@@ -156,7 +156,7 @@ def _abscissa(degree: int, *, even: bool) -> tuple[str, str]:
     ]
     name = f"{'even' if even else 'abscissa'}{degree}"
     body = "\n".join(lines)
-    return name, f"{_hurwitz(degree)}\nfunction {name}({given}) {{\n{body}\n}}"
+    return name, f"{_hurwitz(degree)}\nfunction {name}({arguments}) {{\n{body}\n}}"
 
 
 def _hurwitz(degree: int) -> str:

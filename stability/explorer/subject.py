@@ -14,8 +14,8 @@ from ..algebra.program import Program
 from ..algebra.straight_lines import Line, Record
 from ..base.verdict import Nonlinear
 from ..systems.family import Family
-from .formulas import Formulas, Values
-from .quantities import Quantity
+from .formulas import PageFormulas, Values
+from .quantities import PageQuantity
 from .source import JAVASCRIPT, Seen, graph, javascript, look
 
 
@@ -29,11 +29,11 @@ class PageSubject:
     """The family."""
     title: str
     """The motion in words."""
-    quantities: Mapping[str, Quantity]
+    quantities: Mapping[str, PageQuantity]
     """What names a member, by name in the family and in the order of every function."""
     axes: tuple[str, str]
     """Quantities on the axes at first, by their names in calls."""
-    formulas: Formulas
+    formulas: PageFormulas
     """What decides the verdict."""
     model: str
     """Key of the motion's equations."""
@@ -49,7 +49,7 @@ class PageSubject:
     """How the body moves and looks (`motion.body_of`); empty where there is none to draw."""
 
     @property
-    def called(self) -> dict[str, Quantity]:
+    def called(self) -> dict[str, PageQuantity]:
         """What names a member, by its name in calls."""
         return {q.name: q for q in self.quantities.values()}
 
@@ -76,11 +76,11 @@ class PageSubject:
             more: list[Any] = []
             if solver:
                 q, more = solver.polished(algebra, q)
-            found = formulas.members(algebra, q) if formulas.members else []
+            members = formulas.members(algebra, q) if formulas.members else []
             shares = [rule.share for rule in formulas.rules]
             signs = formulas.signs(algebra, q)
             errors = [(v, share * size) for (v, size), share in zip(signs, shares, strict=True)]
-            return formulas.coefficients(algebra, q), errors, [*found, *more]
+            return formulas.coefficients(algebra, q), errors, [*members, *more]
 
         slopes = ca.Function("slopes", [system.x, system.p], [ca.jacobian(system.rhs, system.x)])
         return {
@@ -123,7 +123,7 @@ class PageSubject:
 
     def _degrees(self, count: int) -> list[int]:
         lines = Record(JAVASCRIPT)
-        found = self.formulas.coefficients(
+        factors = self.formulas.coefficients(
             lines.algebra(), [Line(lines, f"a0[{i}]") for i in range(count)]
         )
-        return [len(factor) - 1 for factor in found]
+        return [len(factor) - 1 for factor in factors]

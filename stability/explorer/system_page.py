@@ -19,7 +19,7 @@ from ..systems.system import System
 from .certificates import own_certificates
 from .motion import motion_of
 from .page import Contents
-from .quantities import Quantity
+from .quantities import PageQuantity
 from .subject import PageSubject
 from .verdicts import derived_formulas
 
@@ -95,12 +95,12 @@ def system_page(
 
 def _quantity(
     family: Family, name: str, value: float, ends: tuple[float, float] | None, *, positive: bool
-) -> Quantity:
+) -> PageQuantity:
     unit = family.system.units.get(name, "1")
     around = (0.0, 2 * value) if value > 0 else (2 * value, 0.0) if value < 0 else (-1.0, 1.0)
     low, high = ends or around
     least = 0.0 if positive else None
-    return Quantity(
+    return PageQuantity(
         name, name, "", "" if unit == "1" else readable(unit), low, high, value, least
     ).at(value)
 

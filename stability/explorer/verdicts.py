@@ -25,7 +25,7 @@ from ..systems.closed_form import ImplicitForm
 from ..systems.family import Family
 from .formulas import (
     FLOAT,
-    Formulas,
+    PageFormulas,
     Rule,
     Values,
     filled,
@@ -36,60 +36,65 @@ from .formulas import (
     typeset,
     value_of,
 )
-from .quantities import Quantity
+from .quantities import PageQuantity
 
 
-def stored_formulas(family: Family, law: str, quantities: Mapping[str, Quantity]) -> Formulas:
+def stored_formulas(
+    family: Family, law: str, quantities: Mapping[str, PageQuantity]
+) -> PageFormulas:
     """What decides the verdict of a family of the disk."""
     record, exact = FAMILIES[family.name], DiskPolynomial(exact_polynomial(family.name, law))
-    known, [at] = exact.known, family.at
+    stored, [at] = exact.known, family.at
     written, put = {}, {}
     for variable, name, power in (("k", "k", 1), ("M", "mu", 2), ("z", at, 2), ("s", at, 1)):
         if name in quantities:  # each variable is a power of a quantity, or its sine
-            one = quantities[name]
+            quantity = quantities[name]
             sine = variable == "s"
-            written[variable] = (f"sin {one.symbol}" if sine else one.symbol, power)
-            put[variable] = (f"(sin {{{one.name}}})" if sine else f"{{{one.name}}}", power)
+            written[variable] = (f"sin {quantity.symbol}" if sine else quantity.symbol, power)
+            put[variable] = (
+                f"(sin {{{quantity.name}}})" if sine else f"{{{quantity.name}}}",
+                power,
+            )
 
-    def given(q: Values) -> dict[str, Any]:
+    def by_name(q: Values) -> dict[str, Any]:
         # with the units of the dimensionless disk, the member as `at`
         names = ("at" if n == at else n for n in quantities)
         return {"mass": 1, "radius": 1, "gravity": 1} | dict(zip(names, q, strict=True))
 
     def point(algebra: Algebra, q: Values) -> list[Any]:
-        return exact.point(given(q), algebra)
+        return exact.point(by_name(q), algebra)
 
     def coefficients(algebra: Algebra, q: Values) -> list[list[Any]]:
-        scale, _ = exact.scale(given(q))  # with λ = σ · scale the power i has scale^(n - i)
-        found = []
-        for factor in known.coefficients(point(algebra, q)):
+        scale, _ = exact.scale(by_name(q))  # with λ = σ · scale the power i has scale^(n - i)
+        rows = []
+        for factor in stored.coefficients(point(algebra, q)):
             powers: list[Any] = [1.0]
             for _ in factor[1:]:
                 powers.append(powers[-1] if scale is None else scale * powers[-1])
-            found.append([c * s for c, s in zip(factor, reversed(powers), strict=True)])
-        return found
+            rows.append([c * s for c, s in zip(factor, reversed(powers), strict=True)])
+        return rows
 
     def signs(algebra: Algebra, q: Values) -> list[tuple[Any, Any]]:
         at = point(algebra, q)
-        return [sized(p, 0, algebra, at) for _, p in known.conditions]
+        return [sized(p, 0, algebra, at) for _, p in stored.conditions]
 
     def unknown(algebra: Algebra, q: Values) -> dict[str, Any]:
-        values, functions = given(q), SimpleNamespace(**algebra.functions)
+        values, functions = by_name(q), SimpleNamespace(**algebra.functions)
         states = record.member(functions, values["at"], values["k"])
         return {n: states[n] for n in family.unknown}
 
-    return Formulas(
+    return PageFormulas(
         names=tuple(quantities),
-        even=(known.even,) * len(known.factors),
-        zeros=known.zeros,
+        even=(stored.even,) * len(stored.factors),
+        zeros=stored.zeros,
         coefficients=coefficients,
         signs=signs,
         rules=tuple(
             Rule(kind, share_of(p, PLAIN), typeset(p, written), filled(p, put))
-            for kind, p in known.conditions
+            for kind, p in stored.conditions
         ),
         unknown=unknown,
-        good=best(even=known.even),
+        good=best(even=stored.even),
     )
 
 
@@ -104,8 +109,8 @@ ONE = "sqrt(1)"
 
 
 def derived_formulas(
-    family: Family, quantities: Mapping[str, Quantity], positive: Sequence[str] = ()
-) -> Formulas:
+    family: Family, quantities: Mapping[str, PageQuantity], positive: Sequence[str] = ()
+) -> PageFormulas:
     """What decides the verdict of a family, derived with every quantity as a variable.
 
     Raises
@@ -113,21 +118,23 @@ def derived_formulas(
     StabilityError
         If the conditions are too large, or too much of a member is solved for.
     """
-    found = conditions(family, positive=positive, decimals=True, seconds=SECONDS)
-    if found.left_out:
-        raise StabilityError(f"{family.name}: {found.left_out[0]}; the page needs every condition.")
+    record = conditions(family, positive=positive, decimals=True, seconds=SECONDS)
+    if record.left_out:
+        raise StabilityError(
+            f"{family.name}: {record.left_out[0]}; the page needs every condition."
+        )
     solver = solver_of(family)
     names = (*quantities, *(solver.unknown if solver else ()))
-    variables = [v.name for v in found.variables]
+    variables = [v.name for v in record.variables]
     read = [_read(family, v, names) for v in variables]
     symbols = {n: q.symbol for n, q in quantities.items()}
     parts = dict(zip(variables, read, strict=True))
-    written = {v: (_written(v, *one, symbols), 1) for v, one in parts.items()}
-    put = {v: (_in_braces(*one), 1) for v, one in parts.items()}
+    written = {v: (_written(v, *part, symbols), 1) for v, part in parts.items()}
+    put = {v: (_in_braces(*part), 1) for v, part in parts.items()}
     roundings = {v: 2 * (v not in quantities) for v in variables}
-    deciding = [c for c in found.deciding if str(c.polynomial) != ONE]
+    deciding = [c for c in record.deciding if str(c.polynomial) != ONE]
     polynomials = [(c.polynomial, shift_of([c.polynomial])) for c in deciding]
-    factors = [f for f in found.factors for _ in range(f.multiplicity)]
+    factors = [f for f in record.factors for _ in range(f.multiplicity)]
 
     def point(algebra: Algebra, q: Values) -> list[Any]:
         values = dict(zip(names, q, strict=True)) | {"": 1.0}
@@ -159,10 +166,10 @@ def derived_formulas(
         out = exists.run(algebra, [states, [values[n] for n in system.parameters]])
         return [v[0] if v else 0.0 for v in out]
 
-    formulas = Formulas(
+    formulas = PageFormulas(
         names=names,
         even=tuple(f.even for f in factors),
-        zeros=found.zeros,
+        zeros=record.zeros,
         coefficients=coefficients,
         rules=tuple(
             Rule(
@@ -175,11 +182,11 @@ def derived_formulas(
         ),
         signs=signs,
         unknown=lambda _, __: {} if solver else family.unknown,
-        good=_good(family, even=any(f.even for f in found.factors) or found._extra_zeros > 0),
+        good=_good(family, even=any(f.even for f in record.factors) or record._extra_zeros > 0),
         members=members,
         solver=solver,
         proved=solver is None,
-        numbers=found.numbers,
+        numbers=record.numbers,
     )
     return formulas
 
@@ -233,7 +240,7 @@ SAME = 1e-6
 """Angle within which a change of sign is rounding, or the rest of Newton's method [rad]."""
 
 
-def closed_formulas(family: Family, quantities: Mapping[str, Quantity]) -> Formulas:
+def closed_formulas(family: Family, quantities: Mapping[str, PageQuantity]) -> PageFormulas:
     """What decides the verdict of a family of a body in closed form.
 
     The stored polynomials have h, h′ and h′′ as variables.  Put in, they are a graph in the
@@ -259,8 +266,9 @@ def closed_formulas(family: Family, quantities: Mapping[str, Quantity]) -> Formu
     powers, unknown, positive = form.function(ca.vertcat(a, theta), p, c)
     degree = powers.numel() - 1
     rules = _rules(degree, even=form.even)
-    found = [
-        rule([Sized(one, ca.fabs(one), 0) for one in ca.vertsplit(powers)]) for _, _, rule in rules
+    results = [
+        rule([Sized(entry, ca.fabs(entry), 0) for entry in ca.vertsplit(powers)])
+        for _, _, rule in rules
     ]
 
     def part(*entries: Any) -> Callable[[Algebra, Values], list[Any]]:
@@ -271,11 +279,14 @@ def closed_formulas(family: Family, quantities: Mapping[str, Quantity]) -> Formu
         ]
 
     coefficients, states = part(powers), part(unknown)
-    values, sizes = part(*(one.value for one in found)), part(*(one.size for one in found))
+    values, sizes = (
+        part(*(entry.value for entry in results)),
+        part(*(entry.size for entry in results)),
+    )
     note = "c₀, c₁, …: coefficients of the characteristic polynomial, lowest power first"
     if not form.even and degree >= 3:
         note += "; Δ: Hurwitz's determinants of it"
-    return Formulas(
+    return PageFormulas(
         names=tuple(quantities),
         even=(form.even,),
         zeros=form.zeros,
@@ -364,14 +375,14 @@ def tracked(algebra: Algebra) -> Algebra:
     """
     plain = algebra.functions
 
-    def apply(name: str, change: Callable[[Any, Any, Any], Any]) -> Callable[[Any], Any]:
-        def found(x: Any) -> Any:
-            given = x if isinstance(x, RunningError) else RunningError(x, 0.0)
-            value = plain[name](given.value)
-            own = 2 * ULPS * UNIT * abs(value) + TINY
-            return RunningError(value, change(given.value, given.error, value) + own)
+    def with_change(name: str, change: Callable[[Any, Any, Any], Any]) -> Callable[[Any], Any]:
+        def bounded(x: Any) -> Any:
+            number = x if isinstance(x, RunningError) else RunningError(x, 0.0)
+            value = plain[name](number.value)
+            rounding = 2 * ULPS * UNIT * abs(value) + TINY
+            return RunningError(value, change(number.value, number.error, value) + rounding)
 
-        return found
+        return bounded
 
     def root(x: Any, e: Any, y: Any) -> Any:
         least = x - e
@@ -384,10 +395,10 @@ def tracked(algebra: Algebra) -> Algebra:
         return out
 
     table: dict[str, Callable[..., Any]] = {
-        "sin": apply("sin", lambda _, e, __: e),
-        "cos": apply("cos", lambda _, e, __: e),
-        "sqrt": apply("sqrt", root),
-        "fabs": apply("fabs", lambda _, e, __: e),
+        "sin": with_change("sin", lambda _, e, __: e),
+        "cos": with_change("cos", lambda _, e, __: e),
+        "sqrt": with_change("sqrt", root),
+        "fabs": with_change("fabs", lambda _, e, __: e),
         "pow": power,
     }
     return Algebra(f"tracked {algebra.name}", float, table, lasting=False)
@@ -397,6 +408,8 @@ def with_bounds(
     formula: Callable[..., list[Any]], algebra: Algebra, *inputs: Any
 ) -> list[tuple[Any, Any]]:
     """(value, bound) of each entry of a formula."""
-    given = [[RunningError(v, 0.0) for v in some] for some in inputs]
-    found = formula(tracked(algebra), *given)
-    return [(v.value, WIDER * v.error) if isinstance(v, RunningError) else (v, 0.0) for v in found]
+    numbers = [[RunningError(v, 0.0) for v in some] for some in inputs]
+    outputs = formula(tracked(algebra), *numbers)
+    return [
+        (v.value, WIDER * v.error) if isinstance(v, RunningError) else (v, 0.0) for v in outputs
+    ]

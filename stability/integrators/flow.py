@@ -98,17 +98,17 @@ class Flow:
         if turning:
             fast: Floats = np.maximum(1.0, np.abs(points[:, turning]).max(axis=1))
             return fast
-        own = len(self.system.states)
-        found = 1 / spans
+        count = len(self.system.states)
+        paces = 1 / spans
         for i, (y, values) in enumerate(zip(points, p, strict=True)):
-            rates = self.quick.rates(values, y)[:own]
-            matrix = self.quick.jacobian(values, y)[:own, :own]
+            rates = self.quick.rates(values, y)[:count]
+            matrix = self.quick.jacobian(values, y)[:count, :count]
             with np.errstate(all="ignore"):
-                pace = float((np.abs(rates) / np.maximum(1.0, np.abs(y[:own]))).max())
+                pace = float((np.abs(rates) / np.maximum(1.0, np.abs(y[:count]))).max())
                 if np.isfinite(matrix).all():
                     pace = max(pace, float(np.abs(eigenvalues_alone(matrix).imag).max()))
-            found[i] = max(found[i], pace) if np.isfinite(pace) else found[i]
-        return found
+            paces[i] = max(paces[i], pace) if np.isfinite(pace) else paces[i]
+        return paces
 
     __getstate__ = fields_of
 
@@ -130,8 +130,8 @@ class Flow:
 
     def rates_at(self, y: Floats, p: Floats) -> Floats:
         """dy/dt at many points, shapes (N, n) and (N, m) to (N, n)."""
-        found: Floats = self._rates_program.arrays([list(y.T), list(p.T)], y.shape[:1])[0][..., 0]
-        return found
+        rates: Floats = self._rates_program.arrays([list(y.T), list(p.T)], y.shape[:1])[0][..., 0]
+        return rates
 
     @cached_property
     def _jacobian_program(self) -> Program:
@@ -141,8 +141,8 @@ class Flow:
         """∂(dy/dt)/∂y at many points, shapes (N, n) and (N, m) to (N, n, n)."""
         if len(y) == 1:
             return self.quick.jacobian(p[0], y[0])[None]
-        found: Floats = self._jacobian_program.arrays([list(y.T), list(p.T)], y.shape[:-1])[0]
-        return found
+        matrices: Floats = self._jacobian_program.arrays([list(y.T), list(p.T)], y.shape[:-1])[0]
+        return matrices
 
     @cached_property
     def watch(self) -> ca.Function:
@@ -176,33 +176,33 @@ class Flow:
         return both[..., :count], both[..., count:]
 
     @property
-    def quick(self) -> Quick:
+    def quick(self) -> PointFunctions:
         """The flow's functions for one point at a time, bound to memory of this thread."""
-        held: dict[Flow, Quick] = _THREAD.__dict__.setdefault("held", {})
+        held: dict[Flow, PointFunctions] = _THREAD.__dict__.setdefault("held", {})
         if self not in held:
-            held[self] = Quick(self)
+            held[self] = PointFunctions(self)
         return held[self]
 
     def pack(self, states: Floats) -> Floats:
         """The state y at the start: the system's own states, no work done, pose at the origin."""
         if self.model.chart:
             return self.model.chart.pack(states)
-        own = len(self.system.states)
+        count = len(self.system.states)
         y = np.zeros((*states.shape[:-1], len(self.names)))
-        y[..., :own] = states[..., :own]
+        y[..., :count] = states[..., :count]
         return y
 
     def reported(self, y: Floats) -> Floats:
         """The states that a motion reports, from y; those that the system does not have are 0."""
         if self.model.chart:
             return self.model.chart.report(y)
-        own, count = len(self.system.states), len(self.model.states)
-        if own == count:
+        width, count = len(self.system.states), len(self.model.states)
+        if width == count:
             return y[..., :count]
-        return np.concatenate([y[..., :own], np.zeros((*y.shape[:-1], count - own))], axis=-1)
+        return np.concatenate([y[..., :width], np.zeros((*y.shape[:-1], count - width))], axis=-1)
 
 
-class Quick:
+class PointFunctions:
     """A flow as fast functions of one point, without conversions; for one thread.
 
     Parameters
@@ -228,8 +228,8 @@ class Quick:
     def rates(self, p: Floats, y: Floats) -> Floats:
         """dy/dt, shape (n,)."""
         self.p[:] = p
-        found: Floats = self._rates(y)
-        return found
+        rates: Floats = self._rates(y)
+        return rates
 
     def jacobian(self, p: Floats, y: Floats) -> Floats:
         """∂(dy/dt)/∂y, shape (n, n)."""
@@ -237,8 +237,8 @@ class Quick:
             n = len(self.flow.names)
             self._jacobian = _bound(self.flow.jacobian, self.p, n, (n, n))
         self.p[:] = p
-        found: Floats = self._jacobian(y)
-        return found
+        matrix: Floats = self._jacobian(y)
+        return matrix
 
     def watch(self, p: Floats, y: Floats) -> tuple[Floats, Floats]:
         """Guards and their rates, shape (guards,) each."""

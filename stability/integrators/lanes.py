@@ -122,7 +122,7 @@ def ends(
     Source: tests/integrators/test_lanes.py.
     """
     count = len(starts)
-    found = Ends(
+    result = Ends(
         np.zeros(count, dtype=np.int8),
         np.zeros(count),
         np.array(starts, dtype=float),
@@ -130,19 +130,19 @@ def ends(
         None if times is None else np.full((count, times.shape[1], starts.shape[1]), np.nan),
     )
     if not count:
-        return found
-    if found.samples is not None:
-        found.samples[:, 0] = starts
+        return result
+    if result.samples is not None:
+        result.samples[:, 0] = starts
     batches = min(1 if watch is None else TURNS, -(-count // lanes_of_batch()))
     with _lent(_batch(flow, max(tolerance, FINEST), effort), batches) as taken:
         steps = np.broadcast_to(most, count)
-        run = _Run(flow, taken, p, horizon, tolerance, steps, watch, found)
+        run = _LaneRun(flow, taken, p, horizon, tolerance, steps, watch, result)
         run.times, run.seconds = times, seconds
         run.to_the_end()
-    return found
+    return result
 
 
-class _Run:
+class _LaneRun:
     """Lanes in use: which launch each carries, and the launches that wait."""
 
     def __init__(
@@ -154,11 +154,11 @@ class _Run:
         tolerance: float,
         most: NDArray[np.int64],
         watch: Watch | None,
-        found: Ends,
+        ends: Ends,
     ) -> None:
         self.batches, self.p, self.horizon, self.most = batches, p, horizon, most
-        self.watch, self.found, self.next = watch, found, 0
-        self.idle = found.state[0].copy()
+        self.watch, self.ends, self.next = watch, ends, 0
+        self.idle = ends.state[0].copy()
         self.times: Floats | None = None
         self.sampled = np.ones(len(p), dtype=np.intp)  # the start is the first
         self.seconds: Floats | None = None
@@ -203,7 +203,7 @@ class _Run:
             self._put(at, lane, mine)
             if self.seconds is not None:  # the lanes of a batch share its time
                 self.budgets[mine] = Budget(float(self.seconds[mine]) * self.width)
-            batch.state[:, lane] = self.found.state[mine]
+            batch.state[:, lane] = self.ends.state[mine]
             batch.pars[:, lane] = self.p[mine, : len(batch.pars)]
             if batch.with_events:
                 batch.reset_cooldowns(lane)
@@ -219,12 +219,12 @@ class _Run:
         batch, more = self.batches[at], {}
         if self.piece is not None:
             more = {"max_delta_t": self.longest[at]}
-        if self.times is None or self.found.samples is None:
+        if self.times is None or self.ends.samples is None:
             batch.propagate_until(last, max_steps=steps, **more)
         else:
-            self._sample(at, self.times, self.found.samples, steps, more)
-        found: list[Any] = batch.propagate_res
-        return found
+            self._sample(at, self.times, self.ends.samples, steps, more)
+        outcomes: list[Any] = batch.propagate_res
+        return outcomes
 
     def _sample(
         self, at: int, times: Floats, samples: Floats, steps: int, more: dict[str, Any]
@@ -242,7 +242,7 @@ class _Run:
         gap = times[launches, -np.maximum(left, 1)] - now
         cramped = (launches >= 0) & (gap < others * SPACE * times[launches, -1])
         if cramped.any():  # too few doubles lie in front of its next time: it runs alone
-            self.found.kind[launches[cramped]] = FAILED
+            self.ends.kind[launches[cramped]] = FAILED
             self._refill(at, np.flatnonzero(cramped))
             self._sample(at, times, samples, steps, more)
             return
@@ -267,11 +267,11 @@ class _Run:
         carried, stride = self.lanes[at], STRIDE
         if self.watch is None:
             mine = carried[carried >= 0]
-            stride = int(min(UNSEEN, (self.most[mine] - self.found.steps[mine]).min()))
+            stride = int(min(UNSEEN, (self.most[mine] - self.ends.steps[mine]).min()))
         results = self._propagate(at, self.last[at], stride)
         # the library says of all lanes at once that they have reached their limit of steps
         if results[0][0] == self.full and (batch.time < self.last[at]).all():
-            self.found.steps[carried] += stride
+            self.ends.steps[carried] += stride
             return stand
         left, going = stride, carried >= 0
         while True:
@@ -279,7 +279,7 @@ class _Run:
             for lane, (outcome, _, _, steps) in enumerate(results):
                 if going[lane]:
                     made = max(made, steps)
-                    self.found.steps[carried[lane]] += steps
+                    self.ends.steps[carried[lane]] += steps
                     stand[lane] = self.codes.get(int(outcome), EVENT)
             # of lanes that another one has stopped the library says that they have lasted
             stand[stand == LASTED] = RUNNING
@@ -301,7 +301,7 @@ class _Run:
         """Show the states to the watcher, write what has ended, and refill the lanes."""
         carried = self.lanes[used]
         going = (carried >= 0) & (stand == RUNNING)
-        spent = going & (self.found.steps[carried] >= self.most[carried])
+        spent = going & (self.ends.steps[carried] >= self.most[carried])
         if self.seconds is not None:
             spent |= going & [[i >= 0 and self.budgets[i].spent for i in row] for row in carried]
         stand[spent] = FAILED
@@ -317,9 +317,9 @@ class _Run:
                 stand[where[0][proved], where[1][proved]] = PROVED
         ended = np.nonzero((carried >= 0) & (stand != RUNNING))
         mine = carried[ended]
-        self.found.kind[mine] = stand[ended]
-        self.found.time[mine] = times[ended]
-        self.found.state[mine] = states[ended[0], :, ended[1]]
+        self.ends.kind[mine] = stand[ended]
+        self.ends.time[mine] = times[ended]
+        self.ends.state[mine] = states[ended[0], :, ended[1]]
         for at in np.unique(ended[0]):
             self._refill(int(used[at]), ended[1][ended[0] == at])
         if self.next >= len(self.p):
@@ -357,13 +357,13 @@ def lanes_of_batch() -> int:
 @lru_cache(maxsize=1)
 def _outcomes() -> dict[int, int]:
     """Standing of a lane by the library's outcome; any other is an event."""
-    known = heyoka().taylor_outcome
+    codes = heyoka().taylor_outcome
     return {
-        int(known.success): RUNNING,
-        int(known.step_limit): RUNNING,
-        int(known.time_limit): LASTED,
-        int(known.err_nf_state): FAILED,
-        int(known.cb_stop): FAILED,
+        int(codes.success): RUNNING,
+        int(codes.step_limit): RUNNING,
+        int(codes.time_limit): LASTED,
+        int(codes.err_nf_state): FAILED,
+        int(codes.cb_stop): FAILED,
     }
 
 
@@ -418,12 +418,12 @@ class Lean:
 
     def whole(self, y: Floats) -> Floats:
         """States of the whole flow from those of the lean one; work is 0 where it is left out."""
-        own = len(self.whole_flow.system.states)
-        found = np.zeros((*y.shape[:-1], len(self.whole_flow.names)))
-        found[..., : y.shape[-1]] = y
+        count = len(self.whole_flow.system.states)
+        states = np.zeros((*y.shape[:-1], len(self.whole_flow.names)))
+        states[..., : y.shape[-1]] = y
         if self.short:
-            found[..., :own] = self.flow.reported(y)[..., :own]
-        return found
+            states[..., :count] = self.flow.reported(y)[..., :count]
+        return states
 
     def report(self, y: Floats) -> Floats:
         """States that a motion reports, shape (N, s), from those of the lean flow."""
@@ -486,7 +486,7 @@ def integrate_many(
             task,
             executor=executor,
             workers=count,
-            own=threads if count > 1 else here,
+            start_pool=threads if count > 1 else here,
             progress=progress,
             size=len,
         )
@@ -522,17 +522,17 @@ def _together(
     long = (done.kind == FAILED) & (done.steps >= QUIET) & (most > QUIET) & (effort != OPTIMISED)
     left = np.flatnonzero(long).tolist()
     longer = _together(flow, OPTIMISED, [numbers[i] for i in left]) if left else []
-    found = dict(zip(left, longer, strict=True))
+    paths = dict(zip(left, longer, strict=True))
     with ASKING:
         rows = np.flatnonzero(done.kind == EVENT)
         last = lean.whole(done.state[rows])
         events = on_guards([legs[i] for i in rows], times[rows, 0] + done.time[rows], last)
         ended = dict(zip(rows.tolist(), events, strict=True))
         for i, leg in enumerate(legs):
-            if i not in found:
+            if i not in paths:
                 path = Path(states[i], ended.get(i), int(done.steps[i]))
-                found[i] = _path(leg, path, failed=done.kind[i] == FAILED)
-    return [found[i] for i in range(len(legs))]
+                paths[i] = _path(leg, path, failed=done.kind[i] == FAILED)
+    return [paths[i] for i in range(len(legs))]
 
 
 def _path(leg: Leg, path: Path, *, failed: bool) -> Path:

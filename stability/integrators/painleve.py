@@ -133,8 +133,8 @@ def small(flow: Flow, y: Floats, p: Floats) -> float | None:
     """D over its value without slip (k + cos²θ of a disk); None where no friction moves D."""
     if "mu" not in flow.system.parameters or NO_CONTACT not in flow.guards:
         return None
-    found = _slopes(flow)(y, p)
-    return float(found[0][0]) / float(found[3])
+    slopes = _slopes(flow)(y, p)
+    return float(slopes[0][0]) / float(slopes[3])
 
 
 def closer(leg: Leg, path: Path) -> tuple[Path, str] | None:
@@ -157,8 +157,8 @@ def closer(leg: Leg, path: Path) -> tuple[Path, str] | None:
     final = path.end
     path = replace(path, states=path.states[:count])
     first = np.append(path.states[-1], leg.times[count - 1])
-    found = _stretched(leg, stretched_flow(leg.flow), first, leg.times[count:])
-    last = found.end
+    stretched = _stretched(leg, stretched_flow(leg.flow), first, leg.times[count:])
+    last = stretched.end
     if last is not None and last.kind == NO_CONTACT:
         end = End(NO_CONTACT, float(last.state[-1]), last.state[:-1])
         fate = approach(leg.flow, end.state, leg.p)
@@ -166,19 +166,19 @@ def closer(leg: Leg, path: Path) -> tuple[Path, str] | None:
             rates = np.array(leg.flow.rates(end.state, leg.p)).ravel()
             speed = float((np.abs(rates) / np.maximum(1.0, np.abs(end.state))).max())
             end = replace(end, early=fate.left, short=2 * fate.left * speed)
-            return _extended(path, found, end), fate.sentence
-        rest = leg.times[count + len(found.states) :]
+            return _extended(path, stretched, end), fate.sentence
+        rest = leg.times[count + len(stretched.states) :]
         on = _stretched(leg, stretched_flow(leg.flow, 0.0), last.state, rest)
         last = on.end
         if last is not None and last.kind == NO_CONTACT:
             why = f"D = {NARROW:.1e} runs to zero, and the contact force grows without bound"
             off = np.abs(last.state[:-1] - end.state) / np.maximum(1.0, np.abs(end.state))
             end = replace(end, early=float(last.state[-1]) - end.time, short=float(off.max()))
-            return _extended(path, found, end), why
-        found = on
+            return _extended(path, stretched, end), why
+        stretched = on
     if last is not None and last.kind != UNRESOLVED:
         end = End(last.kind, float(last.state[-1]), last.state[:-1])
-        return _extended(path, found, end), ""
+        return _extended(path, stretched, end), ""
     if last is not None or final.kind == UNRESOLVED:
         return None
     why = (
@@ -195,6 +195,8 @@ def _stretched(leg: Leg, which: Flow, start: Floats, times: Floats) -> Path:
     return integrate_scipy(run, solver="LSODA", clock=times)
 
 
-def _extended(path: Path, found: Path, end: End) -> Path:
+def _extended(path: Path, stretched: Path, end: End) -> Path:
     """The path to a new end, with the samples that the run in stretched time added."""
-    return Path(np.vstack([path.states, found.states[:, :-1]]), end, path.steps + found.steps)
+    return Path(
+        np.vstack([path.states, stretched.states[:, :-1]]), end, path.steps + stretched.steps
+    )

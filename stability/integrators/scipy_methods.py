@@ -13,7 +13,18 @@ import numpy as np
 
 from ..base.types import Floats
 from .flow import Evaluator
-from .leg import HALVINGS, LOWEST, UNRESOLVED, Budget, End, Integrator, Leg, Path, lost, too_many
+from .leg import (
+    HALVINGS,
+    LOWEST,
+    UNRESOLVED,
+    Budget,
+    End,
+    Integrator,
+    Leg,
+    Path,
+    lost,
+    too_many,
+)
 
 FINEST = 100 * np.finfo(float).eps
 """Smallest relative tolerance that SciPy accepts."""
@@ -97,10 +108,10 @@ def integrate(
                 why = many if ended else lost(solver.lower(), good)
                 return Path(samples.kept, End(UNRESOLVED, time, good, why), steps - ended)
             after = run.watch(running.y)
-            found = _first_zero(running, run, before, after)
-            samples.take(running, None if found is None else found[0])
-            if found is not None:
-                end = End(found[1], found[0], running.dense_output()(found[0]))
+            zero = _first_zero(running, run, before, after)
+            samples.take(running, None if zero is None else zero[0])
+            if zero is not None:
+                end = End(zero[1], zero[0], running.dense_output()(zero[0]))
                 return Path(samples.kept, end, steps)
             before, good, time = after, running.y.copy(), float(running.t)
             if trail is not None:
@@ -176,21 +187,21 @@ def _first_zero(
         dense = solver.dense_output()
         times = np.linspace(solver.t_old, solver.t, parts + 1).tolist()
         seen = [before, *(run.watch(dense(t)) for t in times[1:-1]), after]
-    found: list[tuple[float, str]] = []
-    for low, high, one, two in zip(times, times[1:], seen, seen[1:], strict=False):
+    zeros: list[tuple[float, str]] = []
+    for low, high, at_low, at_high in zip(times, times[1:], seen, seen[1:], strict=False):
         step = high - low
         for i, name in enumerate(run.flow.guards):
             # positive at the end, and no lowest point within
-            if two[0][i] > 0 and not (step * one[1][i] < 0 < step * two[1][i]):
+            if at_high[0][i] > 0 and not (step * at_low[1][i] < 0 < step * at_high[1][i]):
                 continue
             if dense is None:
                 dense = solver.dense_output()
             zero = _locate(partial(_value, run, dense, i), low, high)
             if zero is not None:
-                found.append((zero, name))
-        if found:
+                zeros.append((zero, name))
+        if zeros:
             break
-    return min(found, default=None)
+    return min(zeros, default=None)
 
 
 def _value(run: Evaluator, dense: Any, i: int, t: float) -> float:

@@ -30,7 +30,7 @@ HEYOKA = "heyoka"
 
 def _integrators() -> dict[str, Integrator]:
     modules = [import_module(f".{place}", __package__) for place in dict.fromkeys(PLACES.values())]
-    every = {one.name: one for module in modules for one in module.INTEGRATORS}
+    every = {integrator.name: integrator for module in modules for integrator in module.INTEGRATORS}
     return {name: every[name] for name in PLACES}
 
 
@@ -122,15 +122,15 @@ def stiffness(legs: Sequence[Leg], enough: Floats | float = 0.0) -> Floats:
     `enough`.
     """
     flow = legs[0].flow
-    own = len(flow.system.states)
+    count = len(flow.system.states)
     points = np.array([leg.start for leg in legs])
     p = np.array([leg.p for leg in legs])
     pace = flow.paces(points, p, np.array([leg.times[-1] - leg.times[0] for leg in legs]))
-    matrices = [flow.jacobians(points, p)[:, :own, :own]]
+    matrices = [flow.jacobians(points, p)[:, :count, :count]]
     slip = list(flow.model.sliding)
     if slip and points[:, slip].any():
         points[:, slip] = 0.0
-        matrices.append(flow.jacobians(points, p)[:, :own, :own])
+        matrices.append(flow.jacobians(points, p)[:, :count, :count])
     with np.errstate(all="ignore"):
         bounds = [np.abs(m).sum(axis=2).max(axis=1) / pace for m in matrices]
         fastest = np.max(bounds, axis=0)
@@ -177,8 +177,8 @@ def choose(legs: Sequence[Leg]) -> list[Choice]:
     tolerance falls.  `benchmarks/motion.py` draws both curves.
     """
     turns, name = _turns(legs), explicit(legs[0].flow)
-    found = zip(legs, turns.tolist(), stiffness(legs, turns).tolist(), strict=True)
-    return [_choice(leg, name, turn, stiff) for leg, turn, stiff in found]
+    rows = zip(legs, turns.tolist(), stiffness(legs, turns).tolist(), strict=True)
+    return [_choice(leg, name, turn, stiff) for leg, turn, stiff in rows]
 
 
 def _choice(leg: Leg, name: str, turn: float, stiff: float) -> Choice:
@@ -262,8 +262,8 @@ def run(
     for mine in groups.values():
         if len(mine) <= ALONE:
             continue
-        found = integrate_many([legs[i] for i in mine], workers, counted, executor)
-        for i, path in zip(mine, found, strict=True):
+        integrated = integrate_many([legs[i] for i in mine], workers, counted, executor)
+        for i, path in zip(mine, integrated, strict=True):
             paths[i] = path
     left = [i for i, p in enumerate(paths) if p is None or (auto and _gave_up(p, asked[i]))]
     alone = {i for i in left if paths[i] is None}
@@ -279,7 +279,7 @@ def run(
             task,
             executor=executor,
             workers=workers or taylor.CORES,
-            own=here,
+            start_pool=here,
             progress=counted,
             size=lambda i: i in alone,
         )
@@ -405,8 +405,8 @@ def _by_heyoka(leg: Leg) -> DensePath:
         grid, places = np.unique(np.append(times, leg.times[0]), return_inverse=True)
         with taylor.lent(leg) as ta:
             states = np.array(ta.propagate_grid(grid, max_steps=leg.max_steps)[5])
-        found: Floats = states[places[:-1]]
-        return found
+        rows: Floats = states[places[:-1]]
+        return rows
 
     return DensePath(np.array(steps if whole else steps[:-1]), at, whole)
 

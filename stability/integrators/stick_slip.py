@@ -101,9 +101,9 @@ def polar_flow(model: Model) -> Flow:
     y, work = ca.SX.sym("y", count + 1), model.names.index(WORK)
     size, angle = ca.exp(y[4]), y[5]
     x = ca.vertcat(y[:4], size * ca.cos(angle), size * ca.sin(angle))
-    seen, own = system.observables, ca.vertsplit(model.p)[: len(model.system.parameters)]
+    seen, parameters = system.observables, ca.vertsplit(model.p)[: len(model.system.parameters)]
     inner = [system.rhs, seen["normal_force"], seen["determinant"], seen["power"]]
-    p = ca.vertcat(*_at_rest(model).in_direction(own, angle))
+    p = ca.vertcat(*_at_rest(model).in_direction(parameters, angle))
     rates, normal, determinant, power = ca.substitute(inner, [system.x, system.p], [x, p])
     along = ca.cos(angle) * rates[4] + ca.sin(angle) * rates[5]
     across = ca.cos(angle) * rates[5] - ca.sin(angle) * rates[4]
@@ -198,7 +198,7 @@ class _Dry:
             elif mode == STICKING:
                 mode = self._stick()
             elif math.hypot(self.y[4], self.y[5]) <= NEAR:
-                mode = self._near()
+                mode = self._run_polar()
             else:
                 mode = self._slide()
         path = Path(np.array(self.rows), self.end, self.steps, self.budget.used)
@@ -243,7 +243,7 @@ class _Dry:
                 return True
         return False
 
-    def _near(self) -> int:
+    def _run_polar(self) -> int:
         """Run in polar form: to rest, back to plain sliding, or to an end."""
         state = np.append(self.y, self.time)
         state[4] = math.log(math.hypot(self.y[4], self.y[5]))
@@ -293,16 +293,16 @@ class _Dry:
         leg = dataclasses.replace(self._polar_leg(state, grid), dense=True)
         path = METHODS["cvodes"](leg)
         self.steps += path.steps
-        known = path.states if path.end is None else np.vstack([path.states, path.end.state])
+        samples = path.states if path.end is None else np.vstack([path.states, path.end.state])
         due = self.times[len(self.rows) :]
-        due = due[due <= known[-1, -1]]
+        due = due[due <= samples[-1, -1]]
         if due.size:
-            own = np.array([self._cartesian(row) for row in known])
-            rates = np.array(self.leg.flow.rates(own.T, self.leg.p)).T
+            cartesian = np.array([self._cartesian(row) for row in samples])
+            rates = np.array(self.leg.flow.rates(cartesian.T, self.leg.p)).T
             # a loose run's time may stand still or go back by its error: only later times count
-            latest = np.maximum.accumulate(known[:, -1])
-            keep = np.append(True, known[1:, -1] > latest[:-1])
-            cubic = CubicHermiteSpline(known[keep, -1], own[keep], rates[keep])
+            latest = np.maximum.accumulate(samples[:, -1])
+            keep = np.append(True, samples[1:, -1] > latest[:-1])
+            cubic = CubicHermiteSpline(samples[keep, -1], cartesian[keep], rates[keep])
             for row in cubic(due):
                 self._sample(row, SLIDING)
         return path
@@ -419,9 +419,9 @@ class _Dry:
 
     def _slipping(self, y: Floats, angle: float) -> Floats:
         """Rates of the six states where slip sets in in a direction."""
-        given = self.dry.in_direction(self.p.tolist(), angle)
-        found: Floats = self.dry.sliding.rates(y[:6], given)
-        return found
+        parameters = self.dry.in_direction(self.p.tolist(), angle)
+        rates: Floats = self.dry.sliding.rates(y[:6], parameters)
+        return rates
 
     # --- book-keeping ---
 
@@ -521,9 +521,9 @@ def slip_acceleration(
     """
     x = [np.broadcast_to(np.asarray(v)[..., None], angles.shape) for v in four]
     x += [np.zeros_like(angles), np.zeros_like(angles)]
-    given = dry.in_direction([np.full_like(angles, v) for v in p], angles)
-    found = _rest_programs(dry)[0].arrays([x, given], angles.shape)[0][..., 0]
-    vx, vy, normal, d = np.moveaxis(found, -1, 0)
+    parameters = dry.in_direction([np.full_like(angles, v) for v in p], angles)
+    values = _rest_programs(dry)[0].arrays([x, parameters], angles.shape)[0][..., 0]
+    vx, vy, normal, d = np.moveaxis(values, -1, 0)
     c, s = np.cos(angles), np.sin(angles)
     return c * vx + s * vy, c * vy - s * vx, normal, d
 
@@ -565,15 +565,15 @@ def suspects(dry: Dry, rows: Floats, p: Floats) -> NDArray[np.bool_]:
         _, across, normal, d = slip_acceleration(dry, rows.T, p, angles)
         waves = np.fft.fft(across * d) / 8
         first = waves[:, [2]]
-        known = np.isfinite(waves).all(axis=1) & (np.abs(first[:, 0]) > 0)
+        finite = np.isfinite(waves).all(axis=1) & (np.abs(first[:, 0]) > 0)
         companion = np.tile(np.eye(4, k=-1, dtype=complex), (len(rows), 1, 1))
-        companion[known, 0] = -(waves[:, [1, 0, -1, -2]] / first)[known]
+        companion[finite, 0] = -(waves[:, [1, 0, -1, -2]] / first)[finite]
         roots = np.linalg.eigvals(companion)
         near = np.abs(np.abs(roots) - 1) < WIDE
         along, _, pressed, _ = slip_acceleration(dry, rows.T, p, np.angle(roots) + 0.1)
         free = near & ~((along < -WIDE * (1 + np.abs(along))) | (pressed < 0))
-    found: NDArray[np.bool_] = ~known | free.any(axis=1) | ~(normal[:, 0] * d[:, 0] > 0)
-    return found
+    open_rows: NDArray[np.bool_] = ~finite | free.any(axis=1) | ~(normal[:, 0] * d[:, 0] > 0)
+    return open_rows
 
 
 def polish(dry: Dry, four: Floats, p: Floats, angle: float) -> float:

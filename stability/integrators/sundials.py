@@ -18,7 +18,18 @@ import numpy as np
 
 from ..base.types import Floats
 from .flow import Flow
-from .leg import HALVINGS, LOWEST, UNRESOLVED, Budget, End, Integrator, Leg, Path, lost, too_many
+from .leg import (
+    HALVINGS,
+    LOWEST,
+    UNRESOLVED,
+    Budget,
+    End,
+    Integrator,
+    Leg,
+    Path,
+    lost,
+    too_many,
+)
 
 FILL, FILL_OWN = 200, 2000
 """Least number of intervals at which the guards are checked: of a body, of a user's system."""
@@ -54,11 +65,11 @@ def _integrator(
         assert system.forcing is not None
         z = ca.SX.sym("z", len(system.unknowns))
         by_name = dict(zip(system.unknowns, ca.vertsplit(z), strict=True))
-        own = [by_name.get(f"d_{s}", flow.rhs[i]) for i, s in enumerate(system.states)]
-        rest = flow.rhs[len(own) :]
+        rates = [by_name.get(f"d_{s}", flow.rhs[i]) for i, s in enumerate(system.states)]
+        rest = flow.rhs[len(rates) :]
         problem |= {
             "z": z,
-            "ode": span * ca.vertcat(*own, rest),
+            "ode": span * ca.vertcat(*rates, rest),
             "alg": system.mass @ z - system.forcing,
         }
         guess = ca.Function("z0", [flow.x, flow.p], [ca.solve(system.mass, system.forcing)])
@@ -85,19 +96,19 @@ def _run(
     tolerance = max(leg.tolerance, FINEST), max(leg.absolute, FINEST * 1e-3)
     most = min(most, leg.max_steps)
     run, guess = _integrator(leg.flow, plugin, tolerance, most, fractions[1:].tobytes())
-    given = {"x0": start, "p": np.append(leg.p, span)}
+    inputs = {"x0": start, "p": np.append(leg.p, span)}
     if guess is not None:
-        given["z0"] = guess(start, leg.p)
+        inputs["z0"] = guess(start, leg.p)
     said = io.StringIO()
     try:
         with redirect_stderr(said):  # the library prints errors that it returns too
-            found = np.array(run(**given)["xf"]).T
+            states = np.array(run(**inputs)["xf"]).T
     except RuntimeError:
         if "KeyboardInterrupt" in said.getvalue():  # CasADi takes it for a failure of the graph
             raise KeyboardInterrupt from None
         return None
     steps = int(run.stats().get("nsteps", 0))
-    return (np.vstack([start[None], found]), steps) if np.isfinite(found).all() else None
+    return (np.vstack([start[None], states]), steps) if np.isfinite(states).all() else None
 
 
 def integrate(leg: Leg, *, plugin: str) -> Path:

@@ -65,14 +65,14 @@ def unread(flow: Flow) -> str:
 def expressions(flow: Flow) -> tuple[list[Any], list[Any], list[Any]]:
     """Symbols, rates and events: the guards, or their product where `sound` tells what it hides."""
     hy = heyoka()
-    product, own = ca.SX(1), flow.model.sound is None
+    product, separate = ca.SX(1), flow.model.sound is None
     for name, guard in flow.guards.items():
         if name == NO_CONTACT and flow.friction:
             continue  # it vanishes with gn D only: a change of both signs would hide in the product
         product = product * guard
     # a guard of the parameters alone never changes on the way, and heyoka takes no such event
     moving = [ca.SX(g) for g in flow.guards.values() if ca.depends_on(ca.SX(g), flow.x)]
-    watched = moving if own else [product]
+    watched = moving if separate else [product]
     program = Program(ca.Function("taylor", [flow.x, flow.p], [flow.rhs, *watched]))
     symbols = [hy.make_vars(name) for name in flow.names]
     parameters = [hy.par[i] for i in range(flow.p.numel())]

@@ -85,8 +85,8 @@ def engine(name: str, workers: int | None = None) -> Iterator[tuple[Executor, in
         with processes(count) as pool:
             yield pool, count
     elif name in WORDS:
-        with _cluster(count) as found:
-            yield found
+        with _cluster(count) as pool_and_count:
+            yield pool_and_count
     else:
         with _client(name) as client, _Scheduled(client) as executor:
             yield executor, _workers(client, name)
@@ -322,9 +322,9 @@ def _cluster(workers: int) -> Iterator[tuple[Any, int]]:
         ) as cluster,
         distributed.Client(cluster, set_as_default=False) as client,
     ):  # fmt: skip
-        own = _Workers(cluster.scheduler_address, workers)
+        processes = _Workers(cluster.scheduler_address, workers)
         try:
-            with _Scheduled(client, own.revive) as executor:
+            with _Scheduled(client, processes.revive) as executor:
                 client.wait_for_workers(workers, timeout=ABANDONED)
                 yield executor, workers
         except distributed.TimeoutError:
@@ -333,7 +333,7 @@ def _cluster(workers: int) -> Iterator[tuple[Any, int]]:
                 "call under `if __name__ == '__main__':`."
             ) from None
         finally:
-            own.stop()
+            processes.stop()
 
 
 @contextmanager

@@ -60,7 +60,7 @@ def fill(
     blank: Blank,
     executor: Executor | None = None,
     workers: int | None = None,
-    own: Pool = threads,
+    start_pool: Pool = threads,
     progress: Progress | None = None,
     tries: int = TRIES,
 ) -> Filled:
@@ -83,7 +83,7 @@ def fill(
         Any executor of the protocol of `concurrent.futures`; it is not shut down.
     workers
         Number of workers; that of the processors when left out.
-    own
+    start_pool
         Starts the workers where there is no executor.
     progress
         Called with (cells done, cells in all).
@@ -121,7 +121,7 @@ def fill(
     stored = layout.total - sum(map(layout.count, missing))
     count = Counted(progress, layout.total)
     number = workers or os.cpu_count() or 1
-    start = own(number) if executor is None else nullcontext(executor)
+    start = start_pool(number) if executor is None else nullcontext(executor)
     with kept_on_stop(store, count), start as pool:
         count.add(stored)
         filling = _Filling(store, work, blank, pool, number, tries, count)
@@ -208,7 +208,7 @@ class _Filling:
             task,
             executor=self.pool,
             workers=workers,
-            own=here,
+            start_pool=here,
             ahead=ahead,
             in_order=False,
             lost=self._lose,

@@ -113,7 +113,7 @@ def run(
         counted.add(len(keys) - len(tasks))
         if tasks:
             _measure([group for group in waiting if group], tasks, keep, workers, counted)
-    return {key: found for key in keys if (found := keep.get(key)) is not None}
+    return {key: cell for key in keys if (cell := keep.get(key)) is not None}
 
 
 def _measure(

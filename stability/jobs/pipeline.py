@@ -123,7 +123,7 @@ def ordered(
     *,
     executor: Executor | None = None,
     workers: int = 1,
-    own: Pool = threads,
+    start_pool: Pool = threads,
     keep: Pieces[K, T] | None = None,
     progress: Counted | None = None,
     size: Callable[[K], int] = lambda _: 1,
@@ -146,7 +146,7 @@ def ordered(
         Any executor of the protocol of `concurrent.futures`; it is not shut down.
     workers
         Number of workers; at most `ahead` pieces for each are in flight.
-    own
+    start_pool
         Starts the workers where there is no executor.
     keep
         Store of finished pieces: pieces in it are not done again, others are added.
@@ -183,7 +183,7 @@ def ordered(
     ...     list(ordered("ab", lambda key: key.upper, executor=pool, workers=2))
     [('a', 'A'), ('b', 'B')]
     """
-    with own(workers) if executor is None else nullcontext(executor) as pool:
+    with start_pool(workers) if executor is None else nullcontext(executor) as pool:
         work = _Work(pool, task, keep, progress, size, in_order, lost)
         most = ahead * workers if pool is not None else 1
         try:
@@ -247,9 +247,9 @@ class _Work(Generic[K, T]):
         """Wait for the next piece, and return its key and result."""
         while not (self.queue and self.queue[0][1]):
             self._wait()
-        key, found = self.queue.popleft()
+        key, results = self.queue.popleft()
         self.flight -= 1
-        return key, found[0]
+        return key, results[0]
 
     def _wait(self) -> None:
         """Take the result of a future; the time of that does not grow with their number."""

@@ -96,8 +96,8 @@ def assemble(launches: Starts, settings: Settings, results: list[Result]) -> xar
         "time": ("time", times, labels("time")),
     }
     for name, value in launches.given.items():
-        own, kept = (dims, value.reshape(launches.shape)) if value.ndim else ((), value)
-        coordinates[name] = own, kept, launches.subject.numbers.get(name, {})
+        axes, kept = (dims, value.reshape(launches.shape)) if value.ndim else ((), value)
+        coordinates[name] = axes, kept, launches.subject.numbers.get(name, {})
     if not single:  # a slice keeps it to find its own events
         numbers = np.arange(launches.count).reshape(launches.shape)
         coordinates["number"] = dims, numbers, {"long_name": "launch, counted flat"}
@@ -155,20 +155,20 @@ def _series(
 ) -> dict[str, Floats]:
     """Every series by name, in the user's units, shape (launch, time)."""
     model = launches.model
-    own, states = len(model.system.states), flow_of(model).reported(y)
-    found = dict(zip(model.states, np.moveaxis(states, -1, 0), strict=True))
-    found |= observe(model, y, launches.p[:, None, :], modes, heading)
+    count, states = len(model.system.states), flow_of(model).reported(y)
+    series = dict(zip(model.states, np.moveaxis(states, -1, 0), strict=True))
+    series |= observe(model, y, launches.p[:, None, :], modes, heading)
     if model.accounted:
-        found["dissipated"] = work = y[..., own]
-        found["audit"] = found["energy"] + work - launches.energies[:, None]
+        series["dissipated"] = work = y[..., count]
+        series["audit"] = series["energy"] + work - launches.energies[:, None]
     if model.chart is not None:
-        found = model.chart.along(y, found)
+        series = model.chart.along(y, series)
     elif settings.pose:
-        found |= dict(zip(POSE, POSE_UNIT * np.moveaxis(y[..., own + 1 :], -1, 0), strict=True))
-        reach = found.pop("reach")
-        found["contact_x"] = found["centre_x"] + reach * np.cos(found["phi"])
-        found["contact_y"] = found["centre_y"] + reach * np.sin(found["phi"])
-    return launches.subject.in_units(launches, found)
+        series |= dict(zip(POSE, POSE_UNIT * np.moveaxis(y[..., count + 1 :], -1, 0), strict=True))
+        reach = series.pop("reach")
+        series["contact_x"] = series["centre_x"] + reach * np.cos(series["phi"])
+        series["contact_y"] = series["centre_y"] + reach * np.sin(series["phi"])
+    return launches.subject.in_units(launches, series)
 
 
 def _summary(
@@ -325,14 +325,14 @@ def observe(
         states = states.copy()
         states[still, 4] = REST * np.cos(heading[still])
         states[still, 5] = REST * np.sin(heading[still])
-    own = len(model.system.states)
-    x, q = entries(states[..., :own]), entries(p)
+    count = len(model.system.states)
+    x, q = entries(states[..., :count]), entries(p)
     values = _observer(model).arrays([x, q], states.shape[:-1])[0][..., 0]
     if modes is not None and (modes == STICKING).any():
         sticking = modes == STICKING
         assert model.dry is not None
-        given = model.dry.at_rest([np.broadcast_to(v, modes.shape)[sticking] for v in q])
-        held = [entries(states[sticking][:, :4]), given]
+        parameters = model.dry.at_rest([np.broadcast_to(v, modes.shape)[sticking] for v in q])
+        held = [entries(states[sticking][:, :4]), parameters]
         at_rest = _observer(model.dry.sticking())
         values[sticking] = at_rest.arrays(held, (int(sticking.sum()),))[0][..., 0]
     return dict(zip(model.series, np.moveaxis(values, -1, 0), strict=True))

@@ -135,13 +135,13 @@ def between(method: str) -> int:
 
 
 def estimate_errors(
-    found: Sequence[Result], finest: Sequence[float], rerun: Rerun
+    results: Sequence[Result], finest: Sequence[float], rerun: Rerun
 ) -> list[ErrorEstimate | None]:
     """Judge each launch by its neighbours.
 
     Parameters
     ----------
-    found
+    results
         The launches after their runs.
     finest
         The smallest tolerance that the integrator of each accepts.
@@ -160,46 +160,46 @@ def estimate_errors(
     >>> bool(run.final_error < 1e-6)
     True
     """
-    out: list[ErrorEstimate | None] = [None] * len(found)
+    out: list[ErrorEstimate | None] = [None] * len(results)
     for judge, coarse in ((_of_fine, False), (_of_coarse, True)):
         which = [
             i
-            for i, r in enumerate(found)
+            for i, r in enumerate(results)
             if r.outcome is not Outcome.UNRESOLVED and (10 * r.tolerance > LOOSEST) == coarse
         ]
         if which:
             limits = np.array([finest[i] for i in which])
             with np.errstate(all="ignore"):  # a ratio may be infinite
-                judged = judge([found[i] for i in which], limits, _of(which, rerun))
+                judged = judge([results[i] for i in which], limits, _of(which, rerun))
             for i, doubt in zip(which, judged, strict=True):
-                out[i] = _at_end(doubt, found[i])
+                out[i] = _at_end(doubt, results[i])
     return out
 
 
-def _at_end(doubt: ErrorEstimate, one: Result) -> ErrorEstimate:
+def _at_end(doubt: ErrorEstimate, launch: Result) -> ErrorEstimate:
     """The estimate with the error of a singular end added."""
-    end = one.path.end
+    end = launch.path.end
     if end is None or not end.early:
         return doubt
     final, late = doubt.final_error + end.short, doubt.time_error + 1.1 * end.early
     return replace(doubt, final_error=final, time_error=late)
 
 
-def _in_time(one: Result, final: float, others: Sequence[Result]) -> float:
+def _in_time(launch: Result, final: float, others: Sequence[Result]) -> float:
     """Error of the end's time from an error of the final state, in the neighbours' directions.
 
     A neighbour's end may be close in time by chance, where its state is not.
     """
-    lags = None if one.path.end is None else one.path.end.lags
+    lags = None if launch.path.end is None else launch.path.end.lags
     if lags is None:
         return 0.0
     late = 0.0
     for other in others:
-        far = _distance(one, other)
+        far = _distance(launch, other)
         if 0 < far < np.inf and np.isfinite(final):
-            moved = np.abs(one.final - other.final)
-            known = moved > 0  # zero times an infinite lag has no value
-            late = max(late, float(lags[known] @ moved[known]) * final / far)
+            moved = np.abs(launch.final - other.final)
+            moving = moved > 0  # zero times an infinite lag has no value
+            late = max(late, float(lags[moving] @ moved[moving]) * final / far)
     return late
 
 
@@ -212,89 +212,91 @@ def _of(which: Sequence[int], rerun: Rerun) -> Rerun:
     return call
 
 
-def _of_fine(ones: Sequence[Result], limits: Floats, rerun: Rerun) -> list[ErrorEstimate]:
+def _of_fine(launches: Sequence[Result], limits: Floats, rerun: Rerun) -> list[ErrorEstimate]:
     """One finer neighbour on one side, one looser on the other, and more where in doubt."""
-    every = range(len(ones))
-    asked = np.array([r.tolerance for r in ones])
-    own, loose = np.maximum(asked, ROUNDING), np.minimum(LOOSER * asked, LOOSEST)
-    tight = np.maximum(asked * [METHODS[r.choice.method].finer for r in ones], limits)
+    every = range(len(launches))
+    asked = np.array([r.tolerance for r in launches])
+    offsets, loose = np.maximum(asked, ROUNDING), np.minimum(LOOSER * asked, LOOSEST)
+    tight = np.maximum(asked * [METHODS[r.choice.method].finer for r in launches], limits)
     # without a finer neighbour, the distance of a looser one is above the launch's own error
     tight = np.where(tight < asked / 2, tight, 10 * asked)
-    finer = rerun(every, tight, own)
+    finer = rerun(every, tight, offsets)
     failed = [j for j in every if finer[j].outcome is Outcome.UNRESOLVED and tight[j] < asked[j]]
     tight[failed] = 10 * asked[failed]
-    for j, result in zip(failed, rerun(failed, tight[failed], own[failed]), strict=True):
+    for j, result in zip(failed, rerun(failed, tight[failed], offsets[failed]), strict=True):
         finer[j] = result
     pairs = list(zip(finer, rerun(every, loose, -loose), strict=True))
     out = [
-        _estimate(one, pair, float(size), MARGIN * float(mine / size))
-        for one, pair, size, mine in zip(ones, pairs, loose, own, strict=True)
+        _estimate(launch, pair, float(size), MARGIN * float(mine / size))
+        for launch, pair, size, mine in zip(launches, pairs, loose, offsets, strict=True)
     ]
     unsure = [
         j
         for j in every
-        if tight[j] < asked[j] and not _converges(ones[j], pairs[j], float(asked[j] / loose[j]))
+        if tight[j] < asked[j] and not _converges(launches[j], pairs[j], float(asked[j] / loose[j]))
     ]
-    parted = [j for j in every if not _close(ones[j], pairs[j])]
-    others = rerun(parted, tight[parted], -own[parted])
+    parted = [j for j in every if not _close(launches[j], pairs[j])]
+    others = rerun(parted, tight[parted], -offsets[parted])
     for j, other in zip(parted, others, strict=True):
-        out[j] = _pinched(ones[j], [pairs[j][0], other])
+        out[j] = _pinched(launches[j], [pairs[j][0], other])
     unsure = [j for j in unsure if not out[j].contrary and np.isfinite(out[j].final_error)]
-    return _settled(ones, [p[0] for p in pairs], out, unsure, tight, limits, rerun)
+    return _settled(launches, [p[0] for p in pairs], out, unsure, tight, limits, rerun)
 
 
-def _of_coarse(ones: Sequence[Result], limits: Floats, rerun: Rerun) -> list[ErrorEstimate]:
+def _of_coarse(launches: Sequence[Result], limits: Floats, rerun: Rerun) -> list[ErrorEstimate]:
     """Three finer neighbours: one from the same start, and one on each side."""
-    every = range(len(ones))
-    asked = np.array([r.tolerance for r in ones])
+    every = range(len(launches))
+    asked = np.array([r.tolerance for r in launches])
     tight = np.maximum(COARSE * asked, limits)
     three = [rerun(every, tight, off) for off in (0 * asked, asked, -asked)]
-    return [_pinched(one, others) for one, *others in zip(ones, *three, strict=True)]
+    return [_pinched(launch, others) for launch, *others in zip(launches, *three, strict=True)]
 
 
-def _estimate(one: Result, pair: Pair, off: float, scale: float) -> ErrorEstimate:
+def _estimate(launch: Result, pair: Pair, off: float, scale: float) -> ErrorEstimate:
     """The error from a finer neighbour, and from one that is looser and off by a relative size."""
-    finer, looser = (_distances(one, other) for other in pair)
+    finer, looser = (_distances(launch, other) for other in pair)
     growth = max(_growth(*pair), looser[0] / off)
-    rounding = PER_STEP * one.path.steps
+    rounding = PER_STEP * launch.path.steps
     final = max(MEASURED * finer[0], scale * looser[0]) + rounding * growth
-    late = max(MEASURED * finer[1], scale * looser[1]) + rounding * (looser[1] / off + one.time)
-    return ErrorEstimate(final, max(late, _in_time(one, final, pair)), _contrary(one, [pair[0]]))
+    late = max(MEASURED * finer[1], scale * looser[1]) + rounding * (looser[1] / off + launch.time)
+    return ErrorEstimate(
+        final, max(late, _in_time(launch, final, pair)), _contrary(launch, [pair[0]])
+    )
 
 
-def _pinched(one: Result, others: Sequence[Result]) -> ErrorEstimate:
+def _pinched(launch: Result, others: Sequence[Result]) -> ErrorEstimate:
     """The error from neighbours that are all finer, on any side."""
-    contrary = _contrary(one, others)
+    contrary = _contrary(launch, others)
     if any(other.outcome is Outcome.UNRESOLVED for other in others):
         return ErrorEstimate(np.inf, np.inf, contrary)
-    final, late = np.max([_distances(one, other) for other in others], axis=0)
+    final, late = np.max([_distances(launch, other) for other in others], axis=0)
     # neighbours that part on the way meet at the end by chance only
     apart = _spread(others[-2], others[-1])
     size = MEASURED * max(final, apart if apart > CLOSE else 0.0)
-    size += PER_STEP * one.path.steps * _growth(others[-2], others[-1])
-    time = max(float(MEASURED * late), _in_time(one, float(size), others))
+    size += PER_STEP * launch.path.steps * _growth(others[-2], others[-1])
+    time = max(float(MEASURED * late), _in_time(launch, float(size), others))
     if size < NOTHING:
         return ErrorEstimate(float(size), time, contrary)
     return ErrorEstimate(np.inf, time, contrary, _together(others[-2], others[-1]))
 
 
-def _close(one: Result, pair: Pair) -> bool:
+def _close(launch: Result, pair: Pair) -> bool:
     """Whether a launch and its neighbours stay together and end alike."""
-    if not all(_alike(one, other) for other in pair):
+    if not all(_alike(launch, other) for other in pair):
         return False
-    far = max(max(_distances(one, other)) for other in pair)
+    far = max(max(_distances(launch, other)) for other in pair)
     return max(far, _spread(*pair)) <= CLOSE
 
 
-def _converges(one: Result, pair: Pair, ratio: float) -> bool:
+def _converges(launch: Result, pair: Pair, ratio: float) -> bool:
     """Whether the distance falls with the tolerance, at least like its root."""
-    near, between = _distances(one, pair[0]), _distances(*pair)
-    floor = 1e3 * PER_STEP * max(1.0, one.time)
+    near, between = _distances(launch, pair[0]), _distances(*pair)
+    floor = 1e3 * PER_STEP * max(1.0, launch.time)
     return all(a <= max(np.sqrt(ratio) * b, floor) for a, b in zip(near, between, strict=True))
 
 
 def _settled(
-    ones: Sequence[Result],
+    launches: Sequence[Result],
     finer: list[Result],
     out: list[ErrorEstimate],
     unsure: list[int],
@@ -311,14 +313,14 @@ def _settled(
         more = rerun(unsure, tight[unsure], np.zeros(len(unsure)))
         left = []
         for j, result in zip(unsure, more, strict=True):
-            one, before = ones[j], out[j]
+            launch, before = launches[j], out[j]
             if result.outcome is Outcome.UNRESOLVED:
                 continue
-            new, between = _distances(one, result), _distances(finer[j], result)
+            new, between = _distances(launch, result), _distances(finer[j], result)
             size = max(before.final_error, MEASURED * new[0])
-            late = max(before.time_error, MEASURED * new[1], _in_time(one, size, [result]))
+            late = max(before.time_error, MEASURED * new[1], _in_time(launch, size, [result]))
             out[j] = ErrorEstimate(
-                size if size < NOTHING else np.inf, late, _contrary(one, [result])
+                size if size < NOTHING else np.inf, late, _contrary(launch, [result])
             )
             finer[j] = result
             if any(b > AGREED * n for b, n in zip(between, new, strict=True)):
@@ -331,12 +333,14 @@ def _settled(
     return out
 
 
-def with_growth(one: Result, doubt: ErrorEstimate, other: Result, growth: Growth) -> ErrorEstimate:
+def with_growth(
+    launch: Result, doubt: ErrorEstimate, other: Result, growth: Growth
+) -> ErrorEstimate:
     """The estimate with the distance of a run whose own error grows by a known factor.
 
     Parameters
     ----------
-    one, doubt
+    launch, doubt
         The launch, and the estimate by its neighbours.
     other
         A finer run.
@@ -346,18 +350,18 @@ def with_growth(one: Result, doubt: ErrorEstimate, other: Result, growth: Growth
     if other.outcome is Outcome.UNRESOLVED:
         size, late, contrary = np.inf, np.inf, doubt.contrary
     else:
-        far, late = _distances(one, other)
-        own = other.tolerance + PER_STEP * other.path.steps
+        far, late = _distances(launch, other)
+        grown = other.tolerance + PER_STEP * other.path.steps
         # errors that stay small on the way grow as the linearised motion says, and shrink again
-        own *= growth.last if own * growth.largest < SMALL else growth.largest
-        size = MEASURED * far + own if own < NOTHING else np.inf
-        late = max(MEASURED * late, _in_time(one, size, [other]))
-        contrary = doubt.contrary or _contrary(one, [other])
+        grown *= growth.last if grown * growth.largest < SMALL else growth.largest
+        size = MEASURED * far + grown if grown < NOTHING else np.inf
+        late = max(MEASURED * late, _in_time(launch, size, [other]))
+        contrary = doubt.contrary or _contrary(launch, [other])
     size = max(doubt.final_error, size)
     if size >= NOTHING:
         size = np.inf
-        if one.outcome is not Outcome.MOVING and not contrary:
-            contrary = f"an error of the tolerance {one.tolerance:g} {grows(growth.largest)}"
+        if launch.outcome is not Outcome.MOVING and not contrary:
+            contrary = f"an error of the tolerance {launch.tolerance:g} {grows(growth.largest)}"
     return ErrorEstimate(
         size, max(doubt.time_error, late), contrary, doubt.together, growth.largest
     )
@@ -369,36 +373,36 @@ def grows(factor: float) -> str:
     return f"may grow {by} on the way"
 
 
-def _distances(one: Result, other: Result) -> tuple[float, float]:
+def _distances(launch: Result, other: Result) -> tuple[float, float]:
     """Distance of the final states, and of the times of the end."""
-    if Outcome.UNRESOLVED in (one.outcome, other.outcome):
+    if Outcome.UNRESOLVED in (launch.outcome, other.outcome):
         return np.inf, np.inf
-    return _distance(one, other), abs(one.time - other.time)
+    return _distance(launch, other), abs(launch.time - other.time)
 
 
-def _gaps(one: Result, other: Result) -> Floats:
+def _gaps(launch: Result, other: Result) -> Floats:
     """Distances of two neighbours at the times at which both were still running."""
-    count = min(len(one.path.states), len(other.path.states))
-    every = between(one.choice.method)
-    ours, theirs = (r.path.states[:count:every] for r in (one, other))
-    return _each(ours, theirs, one.compared)
+    count = min(len(launch.path.states), len(other.path.states))
+    every = between(launch.choice.method)
+    ours, theirs = (r.path.states[:count:every] for r in (launch, other))
+    return _each(ours, theirs, launch.compared)
 
 
-def _spread(one: Result, other: Result) -> float:
+def _spread(launch: Result, other: Result) -> float:
     """Half the largest distance of two neighbours on the way."""
-    return float(_gaps(one, other).max()) / 2
+    return float(_gaps(launch, other).max()) / 2
 
 
-def _together(one: Result, other: Result) -> float:
+def _together(launch: Result, other: Result) -> float:
     """Part of the time up to which two neighbours stay close."""
-    close = np.logical_and.accumulate(_gaps(one, other) / 2 <= CLOSE)
+    close = np.logical_and.accumulate(_gaps(launch, other) / 2 <= CLOSE)
     return float(max(int(close.sum()) - 1, 0) / (COMPARED - 1))
 
 
-def _growth(one: Result, other: Result) -> float:
+def _growth(launch: Result, other: Result) -> float:
     """Largest ratio of the distance of two neighbours at the end to one before, and at least 1."""
-    gaps = _gaps(one, other)
-    last = max(gaps[-1], min(_distance(one, other), 1.0))
+    gaps = _gaps(launch, other)
+    last = max(gaps[-1], min(_distance(launch, other), 1.0))
     least = gaps[gaps > 0]
     return max(1.0, float(last / least.min())) if least.size else 1.0
 
@@ -406,47 +410,49 @@ def _growth(one: Result, other: Result) -> float:
 def _each(a: Floats, b: Floats, count: int) -> Floats:
     """Largest difference of the states of each pair, over 1 or the state's own size."""
     a, b = a[..., :count], b[..., :count]
-    found: Floats = (np.abs(a - b) / np.maximum(1.0, np.abs(a))).max(axis=-1)
-    return found
+    differences: Floats = (np.abs(a - b) / np.maximum(1.0, np.abs(a))).max(axis=-1)
+    return differences
 
 
-def _distance(one: Result, other: Result) -> float:
+def _distance(launch: Result, other: Result) -> float:
     """Distance of the final states, as `_each`; one by one is faster for six numbers."""
-    pairs = zip(one.final.tolist(), other.final.tolist(), strict=True)
-    apart = [abs(a - b) / max(1.0, abs(a)) for a, b in islice(pairs, one.compared)]
+    pairs = zip(launch.final.tolist(), other.final.tolist(), strict=True)
+    apart = [abs(a - b) / max(1.0, abs(a)) for a, b in islice(pairs, launch.compared)]
     return math.nan if any(map(math.isnan, apart)) else max(apart)
 
 
-def _alike(one: Result, other: Result) -> bool:
-    if one.outcome in LASTING and other.outcome in LASTING:
-        both = one.outcome is other.outcome is Outcome.SETTLED
-        return not both or one.near.family == other.near.family
-    return one.outcome is other.outcome and abs(one.time - other.time) <= APART * max(1.0, one.time)
+def _alike(launch: Result, other: Result) -> bool:
+    if launch.outcome in LASTING and other.outcome in LASTING:
+        both = launch.outcome is other.outcome is Outcome.SETTLED
+        return not both or launch.near.family == other.near.family
+    return launch.outcome is other.outcome and abs(launch.time - other.time) <= APART * max(
+        1.0, launch.time
+    )
 
 
-def _contrary(one: Result, others: Sequence[Result]) -> str:
+def _contrary(launch: Result, others: Sequence[Result]) -> str:
     """End of a neighbour that ends differently, in words; empty where none does."""
-    unlike = [other for other in others if not _alike(one, other)]
+    unlike = [other for other in others if not _alike(launch, other)]
     lost = [other for other in unlike if other.outcome is Outcome.UNRESOLVED]
     # a neighbour that gives up contradicts a launch that lasted, and no other
-    if not unlike or (lost and one.outcome not in LASTING):
+    if not unlike or (lost and launch.outcome not in LASTING):
         return ""
     if lost:
         return (
-            f"a run within the tolerance {one.tolerance:g} of it is unresolved at "
+            f"a run within the tolerance {launch.tolerance:g} of it is unresolved at "
             f"{lost[0].time:.9g}: {lost[0].evidence}"
         )
     other = unlike[0]
 
-    def told(result: Result) -> str:
+    def in_words(result: Result) -> str:
         if result.outcome is Outcome.SETTLED:
             return f"{result.outcome.word} to {result.near.family}"
         at = "" if result.outcome in LASTING else f" at {result.time:.9g}"
         return f"{result.outcome.word}{at}"
 
     return (
-        f"two runs within the tolerance {one.tolerance:g} of each other end differently: "
-        f"{told(one)}, and {told(other)}"
+        f"two runs within the tolerance {launch.tolerance:g} of each other end differently: "
+        f"{in_words(launch)}, and {in_words(other)}"
     )
 
 
@@ -593,10 +599,10 @@ def exponentials(matrices: Floats) -> Floats:
     """
     norm = float(np.abs(matrices).sum(axis=2).max(initial=NORM))
     halvings = int(np.ceil(np.log2(norm / NORM)))
-    small, one = matrices / 2.0**halvings, np.eye(matrices.shape[-1])
-    found = np.broadcast_to(one, matrices.shape)
+    small, identity = matrices / 2.0**halvings, np.eye(matrices.shape[-1])
+    series = np.broadcast_to(identity, matrices.shape)
     for k in range(DEGREE, 0, -1):
-        found = one + small @ found / k
+        series = identity + small @ series / k
     for _ in range(halvings):
-        found = found @ found
-    return found
+        series = series @ series
+    return series

@@ -91,8 +91,8 @@ def launches_of(
         In one sentence, if something is not accepted.
     """
     gather: Any = gather_system if isinstance(mover, System) else gather_round
-    found: Starts = gather(mover, contact, start, times, **more)
-    return found
+    starts: Starts = gather(mover, contact, start, times, **more)
+    return starts
 
 
 def gather_system(
@@ -142,7 +142,7 @@ def gather_system(
     energies = np.zeros(count)
     if model.accounted and not failed:
         energies = np.asarray(system.observe(starts, values)["energy"]).reshape(count)
-    given = {
+    columns = {
         name: values[0, i] if not p.ndim > 1 else values[:, i]
         for i, name in enumerate(system.parameters)
     }
@@ -152,7 +152,7 @@ def gather_system(
         starts,
         values,
         when,
-        {n: np.asarray(v) for n, v in given.items()},
+        {n: np.asarray(v) for n, v in columns.items()},
         Units(),
         True,
         energies,
@@ -205,12 +205,12 @@ class _SystemSubject(MotionSubject):
         """Only where all launches have a member."""
         if any(n.member is None for n in near):
             return {}
-        found = nearest_families(near, variable, "distance from it, in units of the states")
+        variables = nearest_families(near, variable, "distance from it, in units of the states")
         states = launches.model.states
         label = {"long_name": "states of the steady motion", "columns": " ".join(states)}
         member = np.array([n.member for n in near]).reshape(*launches.shape, -1)
-        dims = found["nearest_family"][0]
-        return found | {"nearest_member": ((*dims, "state"), member, label)}
+        dims = variables["nearest_family"][0]
+        return variables | {"nearest_member": ((*dims, "state"), member, label)}
 
 
 @lru_cache(maxsize=64)
@@ -234,32 +234,32 @@ def _subject(model: Model) -> _SystemSubject:
     )
 
 
-def _table(what: str, given: Any, names: tuple[str, ...]) -> Floats:
+def _table(what: str, values: Any, names: tuple[str, ...]) -> Floats:
     """Values along the last axis, in the order of their names."""
-    if given is None and not names:
+    if values is None and not names:
         return np.zeros(0)
-    if not isinstance(given, Mapping):
-        if isinstance(given, (str, bytes)) or not np.iterable(given):
+    if not isinstance(values, Mapping):
+        if isinstance(values, (str, bytes)) or not np.iterable(values):
             every = ", ".join(names) or "none, an empty mapping"
-            raise ParameterError(f"{what} is {shown(given)}; give by name or in order: {every}.")
-        return rows(what, given, list(names))
-    return by_name(what, given, names)
+            raise ParameterError(f"{what} is {shown(values)}; give by name or in order: {every}.")
+        return rows(what, values, list(names))
+    return by_name(what, values, names)
 
 
 def _families(system: System, families: Any, starts: Floats, values: Floats) -> tuple[Family, ...]:
-    given = (families,) if isinstance(families, Family) else families
-    if not isinstance(given, Sequence) or not all(isinstance(f, Family) for f in given):
+    sequence = (families,) if isinstance(families, Family) else families
+    if not isinstance(sequence, Sequence) or not all(isinstance(f, Family) for f in sequence):
         raise ParameterError(f"families is {shown(families)}; give a list of stability.Family.")
-    for family in given:
+    for family in sequence:
         if family.system != system:
             raise ParameterError(
                 f"family {family.name} is one of {family.system.name}, another system; give "
                 f"families of {system.name}."
             )
-    double = {f.name for f in given if sum(g.name == f.name for g in given) > 1}
+    double = {f.name for f in sequence if sum(g.name == f.name for g in sequence) > 1}
     if double:
         raise ParameterError(f"two families are called {min(double)}; give each its own name.")
-    for family in given:
+    for family in sequence:
         along = [n for n in family.at if n in system.states]
         if along and not family.unknown and not _steady_nearby(family, starts, values):
             held = ", ".join(f"'{n}': …" for n in system.states)
@@ -269,7 +269,7 @@ def _families(system: System, families: Any, starts: Floats, values: Floats) -> 
                 f"that nothing settles along it; name one motion by "
                 f"stability.Family(system, '{family.name}', at={named}, held={{{held}}})."
             )
-    return tuple(given)
+    return tuple(sequence)
 
 
 def _steady_nearby(family: Family, starts: Floats, values: Floats) -> bool:

@@ -111,22 +111,22 @@ def accepted(contact: Any) -> type[Contact]:
     return law_class(type(contact))
 
 
-def _acting(body: RoundShape, contact: Contact, given: Any) -> tuple[Resistance, ...]:
+def _acting(body: RoundShape, contact: Contact, argument: Any) -> tuple[Resistance, ...]:
     """The resistances of a call that are not zero everywhere."""
-    found = tuple(r for r in resistances(given) if np.any(r.value))
-    for r in found:
+    acting = tuple(r for r in resistances(argument) if np.any(r.value))
+    for r in acting:
         if r.coefficient in {*body.given, *contact.given, *contact.symbols()}:
             raise ParameterError(
                 f"{r.coefficient} is the coefficient of {r.name}, and a number of {body.name} or "
                 f"of the {contact.name} law; give that another name."
             )
-    return found
+    return acting
 
 
 def _model(
     body: RoundShape,
     law: type[Contact],
-    given: tuple[str, ...],
+    parameters: tuple[str, ...],
     resistance: Resistances,
     *,
     pose: bool,
@@ -134,8 +134,8 @@ def _model(
     """Fixed axes where the body can pass a pole, and otherwise angles."""
     if smooth_at(body, 1) or smooth_at(body, -1):
         with suppress(ParameterError):  # of a law that needs the directions that angles give
-            return pole_model(body, law, given, pose=pose, resistance=resistance)
-    return round_model(body, law, given, pose=pose, resistance=resistance)
+            return pole_model(body, law, parameters, pose=pose, resistance=resistance)
+    return round_model(body, law, parameters, pose=pose, resistance=resistance)
 
 
 def _check_names(body: RoundShape, model: Model) -> None:
@@ -241,13 +241,15 @@ def _gathered(
     starts[:, 4:] /= np.asarray(units.speed)[..., None]
     if law.holds:
         starts[:, 4:] = 0.0
-    own = {**flat, **contact.arguments(flat, units)}
+    dimensionless = {**flat, **contact.arguments(flat, units)}
     sizes = dict(zip(UNITS, (units.mass, units.length, units.time, units.force), strict=True))
     for r in against:
-        own[r.coefficient] = replace(r, **{r.coefficient: flat[r.coefficient]}).dimensionless(sizes)
+        dimensionless[r.coefficient] = replace(
+            r, **{r.coefficient: flat[r.coefficient]}
+        ).dimensionless(sizes)
     p = np.empty((count, len(model.system.parameters)))
     for column, name in zip(p.T, model.system.parameters, strict=True):
-        column[:] = own[name]
+        column[:] = dimensionless[name]
     last = when[-1] / units.time
     if not (np.all(last <= LONGEST) and np.all(last >= BRIEFEST)):
         raise ParameterError(
@@ -366,7 +368,7 @@ def _check(
 ) -> tuple[Floats, Unfit | None]:
     """Energies of the starts; a start without contact is marked, or refused with the reason."""
     system, theta = model.system, starts[:, 0]
-    zeros = {one.place for one in contact.parameters if one.zero}
+    zeros = {parameter.place for parameter in contact.parameters if parameter.zero}
     forces = {n: p[:, system.parameters.index(n)] for n in contact.symbols()}
     lost = any((v < 0).any() or (n not in zeros and (v == 0).any()) for n, v in forces.items())
     if lost or not (np.isfinite(p).all() and np.abs(starts).max() < FASTEST):
@@ -394,8 +396,8 @@ def _check(
             f"start{place_in(shape, row)}: theta is {theta[row]:g}; {why}"
             f"{if_degrees(float(theta[row]))}."
         )
-    own = flow_of(model).pack(starts)[:, : len(system.states)]
-    seen = _look(model).arrays([list(own.T), list(p.T)], starts.shape[:1])[0][..., 0]
+    packed = flow_of(model).pack(starts)[:, : len(system.states)]
+    seen = _look(model).arrays([list(packed.T), list(p.T)], starts.shape[:1])[0][..., 0]
     if model.dry is not None:
         _look_at_rest(model.dry, starts, p, seen)
     positive = seen[:, :-1] > 0

@@ -72,12 +72,12 @@ def results(
     list of Result
         In the order of the launches.
     """
-    legs, found = _legs(launches, settings), []
+    legs, judged = _legs(launches, settings), []
     for first in range(0, len(legs), CHUNK):  # the neighbours of all would fill the memory
         some = slice(first, first + CHUNK)
-        told = None if progress is None else partial(_later, progress, first, len(legs))
-        found += _checked(legs[some], launches.starts[some], launches, settings, told)
-    return found
+        report = None if progress is None else partial(_later, progress, first, len(legs))
+        judged += _checked(legs[some], launches.starts[some], launches, settings, report)
+    return judged
 
 
 SMOOTH = 0.1
@@ -95,41 +95,43 @@ def resampled(
 
     It runs once more, and is judged by its first run.
     """
-    [one] = results
-    if one.outcome is Outcome.UNRESOLVED or not one.time > 0:
+    [result] = results
+    if result.outcome is Outcome.UNRESOLVED or not result.time > 0:
         return launches, results
-    clock, end = float(launches.clock[0]), one.path.end
-    times = _chosen_times(launches, settings, one)
+    clock, end = float(launches.clock[0]), result.path.end
+    times = _chosen_times(launches, settings, result)
     if end is None and len(times) == len(launches.times):
         return launches, results
     if end is not None:  # the run meets its end again, before its last time
         times[-1] = launches.times[-1] / clock
     again = replace(launches, times=times * clock)
-    [fine] = _run(_legs(again, settings), again, settings, [one.choice.method], None, own=False)
+    [fine] = _run(
+        _legs(again, settings), again, settings, [result.choice.method], None, by_user=False
+    )
     if (fine.path.end is None) != (end is None):
         return launches, results
-    return again, [replace(one, path=replace(fine.path, end=end), dry=fine.dry)]
+    return again, [replace(result, path=replace(fine.path, end=end), dry=fine.dry)]
 
 
-def _chosen_times(launches: Starts, settings: Settings, one: Result) -> Floats:
+def _chosen_times(launches: Starts, settings: Settings, result: Result) -> Floats:
     """Times from 0 to the end of a run: evenly spaced, or by the angle that its path turns."""
-    states = one.path.states[: len(launches.times)]
-    when = np.append(launches.times[: len(states)] / launches.clock[0], one.time)
-    even = np.linspace(0.0, one.time, len(launches.times))
+    states = result.path.states[: len(launches.times)]
+    when = np.append(launches.times[: len(states)] / launches.clock[0], result.time)
+    even = np.linspace(0.0, result.time, len(launches.times))
     model = launches.model
     turning = [model.names.index("phi_dot")] if "phi_dot" in model.names else [*model.turning]
     if not settings.pose or not turning:
         return even
-    rates = np.linalg.norm(np.vstack([states, one.final])[:, turning], axis=1)
+    rates = np.linalg.norm(np.vstack([states, result.final])[:, turning], axis=1)
     steps = np.diff(when) * (rates[1:] + rates[:-1]) / 2
     angle = np.concatenate([[0.0], np.cumsum(steps)])
     count = min(max(math.ceil(angle[-1] / SMOOTH / (1 - EVENLY)) + 1, len(even)), MOST_SAMPLES)
     if count == len(even):
         return even
-    along = (1 - EVENLY) * angle / angle[-1] + EVENLY * when / one.time
+    along = (1 - EVENLY) * angle / angle[-1] + EVENLY * when / result.time
     rising = np.append(np.diff(along) > 0, True)  # the end may be the last sample
     times: Floats = np.interp(np.linspace(0.0, 1.0, count), along[rising], when[rising])
-    times[-1] = one.time
+    times[-1] = result.time
     return times
 
 
@@ -147,42 +149,42 @@ def _checked(
     progress: Callable[[int, int], None] | None,
 ) -> list[Result]:
     """Run some launches, and their neighbours."""
-    found = _run(legs, launches, settings, [settings.method] * len(legs), progress)
+    runs = _run(legs, launches, settings, [settings.method] * len(legs), progress)
     if not settings.check:
-        return found
+        return runs
 
     compared = [
-        replace(leg, times=_compared(leg, one.choice.method))
-        for leg, one in zip(legs, found, strict=True)
+        replace(leg, times=_compared(leg, ran.choice.method))
+        for leg, ran in zip(legs, runs, strict=True)
     ]
     left = [settings.max_seconds] * len(legs)  # seconds that the neighbours of each share
     finer: dict[int, Result] = {}  # the first neighbour of each
 
     def rerun(which: Sequence[int], tolerances: Floats, off: Floats) -> list[Result]:
-        methods = [found[i].choice.method for i in which]
+        methods = [runs[i].choice.method for i in which]
         numbers = zip(which, tolerances.tolist(), off.tolist(), strict=True)
         shadows = [
             _shadow(compared[i], starts[i], tolerance, size, left[i])
             for i, tolerance, size in numbers
         ]
-        results = _run(shadows, launches, settings, methods, None, own=False)
+        results = _run(shadows, launches, settings, methods, None, by_user=False)
         for i, result in zip(which, results, strict=True):
             left[i] -= result.path.seconds
             finer.setdefault(i, result)
         return results
 
-    judged = estimate_errors(found, [METHODS[r.choice.method].finest for r in found], rerun)
+    judged = estimate_errors(runs, [METHODS[r.choice.method].finest for r in runs], rerun)
     if not launches.dry:
         for i, result in finer.items():
             doubt, leg = judged[i], replace(compared[i], seconds=left[i])
             if doubt is not None and not doubt.contrary and math.isfinite(doubt.final_error):
-                judged[i] = _grown(leg, found[i], doubt, result, launches, settings)
-    return [_doubted(result, doubt) for result, doubt in zip(found, judged, strict=True)]
+                judged[i] = _grown(leg, runs[i], doubt, result, launches, settings)
+    return [_doubted(result, doubt) for result, doubt in zip(runs, judged, strict=True)]
 
 
 def _grown(
     leg: Leg,
-    one: Result,
+    result: Result,
     doubt: ErrorEstimate,
     finer: Result,
     launches: Starts,
@@ -194,9 +196,9 @@ def _grown(
     neighbour lets errors grow far beyond the estimate, a run by LSODA decides: its steps show how
     the Jacobian changes, and its tolerance is small against the growth.
     """
-    explicit = METHODS[one.choice.method].turn > 0
-    steps = math.exp(min(one.path.steps / LONG_STEPS, 700.0)) if explicit else 1.0
-    shown = max(HIDDEN * doubt.final_error / one.tolerance, steps)
+    explicit = METHODS[result.choice.method].turn > 0
+    steps = math.exp(min(result.path.steps / LONG_STEPS, 700.0)) if explicit else 1.0
+    shown = max(HIDDEN * doubt.final_error / result.tolerance, steps)
     if shown >= LARGEST:
         return doubt
     states = finer.path.states
@@ -208,19 +210,19 @@ def _grown(
                 return doubt
         for smallest in (False, True):
             fine = FINE_ENOUGH if smallest else max(SMALL / grown.largest, FINE_ENOUGH)
-            fine = max(min(fine, one.tolerance / 10), FINE_ENOUGH)
+            fine = max(min(fine, result.tolerance / 10), FINE_ENOUGH)
             shadow = replace(leg, times=leg.times[[0, -1]], tolerance=fine)
             trail: Trail = []
             path = integrate_by_steps(shadow, solver="LSODA", trail=trail)
             grown = growth_along(leg.flow, leg.p, trail)
             choice = Choice("lsoda", "its steps show how errors grow")
-            [other] = _judged([shadow], [(path, choice)], launches, settings, own=False)
+            [other] = _judged([shadow], [(path, choice)], launches, settings, by_user=False)
             if fine * grown.largest < SMALL or fine == FINE_ENOUGH:
                 break
     if grown.largest > shown:
-        return with_growth(one, doubt, other, grown)
+        return with_growth(result, doubt, other, grown)
     # nothing was hidden along the true path: that of the launch must be close to it
-    return with_growth(one, doubt, other, NONE) if fine < one.tolerance else doubt
+    return with_growth(result, doubt, other, NONE) if fine < result.tolerance else doubt
 
 
 def _legs(launches: Starts, settings: Settings) -> list[Leg]:
@@ -286,9 +288,9 @@ def _run(
     methods: Sequence[str],
     progress: Callable[[int, int], None] | None,
     *,
-    own: bool = True,
+    by_user: bool = True,
 ) -> list[Result]:
-    """Run legs, each by its method, and judge how they ended; `own` as for `_judged`."""
+    """Run legs, each by its method, and judge how they ended; `by_user` as for `_judged`."""
     if launches.dry:
         asked = shared(legs[0].flow, settings.executor)
 
@@ -301,7 +303,7 @@ def _run(
                 task,
                 executor=settings.executor,
                 workers=settings.workers or CORES,
-                own=here,
+                start_pool=here,
                 progress=Counted(progress, len(legs)),
             )
         ) as results:
@@ -309,8 +311,8 @@ def _run(
         names = [explicit() if method == "auto" else method for method in methods]
         said = "sliding and sticking; landings by LSODA, onsets by CVODES"
         ran = [(dry.path, Choice(name, said)) for dry, name in zip(dries, names, strict=True)]
-        return _judged(legs, ran, launches, settings, dries, own=own)
-    found: dict[int, tuple[Path, Choice]] = {}
+        return _judged(legs, ran, launches, settings, dries, by_user=by_user)
+    by_leg: dict[int, tuple[Path, Choice]] = {}
     for method in dict.fromkeys(methods):
         mine = [i for i, name in enumerate(methods) if name == method]
         paths, choices = run(
@@ -320,8 +322,8 @@ def _run(
             progress=progress,
             executor=settings.executor,
         )
-        found |= zip(mine, zip(paths, choices, strict=True), strict=True)
-    return _judged(legs, [found[i] for i in range(len(legs))], launches, settings, own=own)
+        by_leg |= zip(mine, zip(paths, choices, strict=True), strict=True)
+    return _judged(legs, [by_leg[i] for i in range(len(legs))], launches, settings, by_user=by_user)
 
 
 def _dry(flow: Callable[[], Flow], numbers: tuple[Any, ...], method: str) -> DryPath:
@@ -347,7 +349,7 @@ def _judged(
     settings: Settings,
     dries: Sequence[DryPath] | None = None,
     *,
-    own: bool = True,
+    by_user: bool = True,
 ) -> list[Result]:
     """How each of some paths ended; the motions nearest to their ends are found together.
 
@@ -363,11 +365,11 @@ def _judged(
     ends = np.array([path.states[-1] if path.end is None else path.end.state for path in paths])
     p = np.array([leg.p[: len(leg.flow.system.parameters)] for leg in legs])
     near = [NOWHERE] * len(legs)
-    if own or not launches.settling.idle:
+    if by_user or not launches.settling.idle:
         near = launches.settling.each(legs[0].flow.reported(ends), p, settings.settle)
     return [
-        _judge(leg, path, end, choice, one, launches, settings, dry, said)
-        for leg, path, end, (_, choice), one, dry, said in zip(
+        _judge(leg, path, end, choice, nearest, launches, settings, dry, said)
+        for leg, path, end, (_, choice), nearest, dry, said in zip(
             legs, paths, ends, ran, near, dries or repeat(None, len(legs)), why, strict=True
         )
     ]

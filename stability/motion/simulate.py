@@ -200,35 +200,35 @@ def simulate(
         )
         _check_flat(launches, settings)
         check_flow(settings.method, flow_of(launches.model))
-        found = results(launches, settings, progress)
-        found = _described(launches, settings, _departed(launches, settings, found))
+        runs = results(launches, settings, progress)
+        runs = _described(launches, settings, _departed(launches, settings, runs))
         if times is not None and np.ndim(times) == 0 and launches.shape == ():
-            launches, found = resampled(launches, settings, found)
-        dataset = assemble(launches, settings, found)
-    _warn(found)
+            launches, runs = resampled(launches, settings, runs)
+        dataset = assemble(launches, settings, runs)
+    _warn(runs)
     return dataset
 
 
-def _warn(found: list[Result]) -> None:
+def _warn(results: list[Result]) -> None:
     """Warn of final states without a bound of their error; other outcomes say so by their name."""
     silent = (Outcome.UNRESOLVED, Outcome.UNDETERMINED)
     open_ = [
         i
-        for i, r in enumerate(found)
+        for i, r in enumerate(results)
         if r.doubt and not np.isfinite(r.doubt.final_error) and r.outcome not in silent
     ]
     if open_:
-        which = f"launch {open_[0]}: " if len(found) > 1 else ""
-        more = f" ({len(open_)} of {len(found)} launches)" if len(open_) > 1 else ""
-        said = found[open_[0]].evidence.rpartition("; the error")
+        which = f"launch {open_[0]}: " if len(results) > 1 else ""
+        more = f" ({len(open_)} of {len(results)} launches)" if len(open_) > 1 else ""
+        said = results[open_[0]].evidence.rpartition("; the error")
         warned(f"{which}the error{said[2]}{more}.")
 
 
-def _departed(launches: Starts, settings: Settings, found: list[Result]) -> list[Result]:
+def _departed(launches: Starts, settings: Settings, results: list[Result]) -> list[Result]:
     """The results, whose evidence says which motions have departed from an unstable member."""
     reported = flow_of(launches.model).reported
-    ends = np.array([reported(result.final) for result in found])
-    errors = np.array([r.doubt.final_error if r.doubt else 0.0 for r in found])
+    ends = np.array([reported(result.final) for result in results])
+    errors = np.array([r.doubt.final_error if r.doubt else 0.0 for r in results])
     errors *= np.hypot.reduce(np.maximum(1.0, np.abs(ends)), axis=-1)
     within = settings.settle
     said = departures(launches.settling, launches.starts, ends, launches.p, within, errors)
@@ -236,7 +236,7 @@ def _departed(launches: Starts, settings: Settings, found: list[Result]) -> list
         replace(r, evidence=f"{r.evidence}; {why}")
         if why and r.outcome is not Outcome.UNDETERMINED
         else r
-        for r, why in zip(found, said, strict=True)
+        for r, why in zip(results, said, strict=True)
     ]
 
 
@@ -246,20 +246,20 @@ LOW = 0.01
 """Angle from flat below which a body is said to lie almost flat [rad]."""
 
 
-def _described(launches: Starts, settings: Settings, found: list[Result]) -> list[Result]:
+def _described(launches: Starts, settings: Settings, results: list[Result]) -> list[Result]:
     """The results; of a run that lasted the evidence says whether it rests, or lies almost flat."""
-    lasting = [i for i, result in enumerate(found) if result.outcome is Outcome.MOVING]
+    lasting = [i for i, result in enumerate(results) if result.outcome is Outcome.MOVING]
     if not lasting:
-        return found
-    flow, out = flow_of(launches.model), list(found)
-    ends = np.array([found[i].final for i in lasting])
-    own = len(flow.system.states)
-    size = np.maximum(1.0, np.abs(ends[:, :own]))
+        return results
+    flow, out = flow_of(launches.model), list(results)
+    ends = np.array([results[i].final for i in lasting])
+    count = len(flow.system.states)
+    size = np.maximum(1.0, np.abs(ends[:, :count]))
     if launches.dry:  # at rest the equations of sliding have no value
-        changes, word = np.abs(ends[:, 1:own]), "it rests"
+        changes, word = np.abs(ends[:, 1:count]), "it rests"
     else:
         rates = flow.rates_at(ends, launches.flow_p(settings.flat)[lasting])
-        changes = np.abs(rates[:, :own]) / size
+        changes = np.abs(rates[:, :count]) / size
         word = f"at the end no state changes by more than {CALM:g} in a unit of time"
     calm = (changes < CALM).all(axis=1)
     lying = np.full(len(lasting), np.inf)
@@ -267,12 +267,12 @@ def _described(launches: Starts, settings: Settings, found: list[Result]) -> lis
         angle = flow.reported(ends)[:, 0]
         lying = np.minimum(angle, np.pi - angle)
     for i, still, low in zip(lasting, calm, lying, strict=True):
-        near = found[i].near
+        near = results[i].near
         unlisted = ", on no steady motion of a known family" * (near.distance > settings.settle)
         said = [word + unlisted] * bool(still)
         said += [f"it lies {low:.2g} rad from flat"] * bool(low < LOW)
         if said:
-            out[i] = replace(found[i], evidence="; ".join([found[i].evidence, *said]))
+            out[i] = replace(results[i], evidence="; ".join([results[i].evidence, *said]))
     return out
 
 

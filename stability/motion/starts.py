@@ -193,17 +193,17 @@ def counted(shape: tuple[int, ...], when: Floats) -> int:
 
 
 def by_name(
-    what: str, given: Mapping[str, Any], names: Sequence[str], missing: float | None = None
+    what: str, values: Mapping[str, Any], names: Sequence[str], missing: float | None = None
 ) -> Floats:
     """Values by name as columns in the order of the names; `missing` for one that is left out."""
-    for name in given:
+    for name in values:
         if name not in names:
-            known = ", ".join(names) or "none"
-            raise NameUnknownError(f"{what} names {shown(name)}; known are {known}.")
-    lost = [n for n in names if n not in given]
+            accepted = ", ".join(names) or "none"
+            raise NameUnknownError(f"{what} names {shown(name)}; known are {accepted}.")
+    lost = [n for n in names if n not in values]
     if lost and missing is None:
         raise ParameterError(f"{what} does not name {listed(lost)}; give {', '.join(names)}.")
-    columns = [np.asarray(checked(f"{what} {n}", given.get(n, missing)), float) for n in names]
+    columns = [np.asarray(checked(f"{what} {n}", values.get(n, missing)), float) for n in names]
     try:
         return np.stack(np.broadcast_arrays(*columns), axis=-1) if columns else np.zeros(0)
     except ValueError:

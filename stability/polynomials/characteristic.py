@@ -175,9 +175,9 @@ class CharacteristicPolynomial:
     def triangular(self) -> Triangular:
         """The equations of the unknowns on the branch of the typical members."""
         bound, numerators = self.bound, [e.num for e in self.equations]
-        found = Triangular(self.field, numerators, bound, self.vanishes)
-        found.settle()
-        return found
+        system = Triangular(self.field, numerators, bound, self.vanishes)
+        system.settle()
+        return system
 
     @property
     def lam(self) -> int:
@@ -237,7 +237,7 @@ class CharacteristicPolynomial:
     @cached_property
     def factored(self) -> Factored:
         """The polynomial in factors over Q; `NotExact` where it grows beyond the budget."""
-        zeros, found = 0, []
+        zeros, irreducible = 0, []
         nonzero = list(self.triangular.nonzero)
         lam = self.field.generator(self.lam)
         for block in blocks_of(self.entries, lambda e: bool(e.num == 0)):
@@ -251,10 +251,10 @@ class CharacteristicPolynomial:
                 elif factor == lam:
                     zeros += count
                 else:
-                    found.append((factor, count))
+                    irreducible.append((factor, count))
         nonzero += [e.den for row in self.entries for e in row]  # between the blocks too
         nonzero = [p for p in nonzero if not p.is_constant()]
-        return self._compact(zeros, found, nonzero, self.required)
+        return self._compact(zeros, irreducible, nonzero, self.required)
 
     def powers(self, block: list[list[Expression]]) -> tuple[Poly, list[Poly]]:
         """The characteristic polynomial of a matrix of expressions.
@@ -272,17 +272,21 @@ class CharacteristicPolynomial:
         self.budget.expect(len(block), [common, *(p for row in plain for p in row)])
         if len(self.base) == 1 and not self.field.meaning:
             return common, self._over_integers(plain, common)
-        found = characteristic([[Expression(self.field, p, one) for p in row] for row in plain])
-        powers = [self.element(c).num * common**k for k, c in enumerate(found)]
+        coefficients = characteristic(
+            [[Expression(self.field, p, one) for p in row] for row in plain]
+        )
+        powers = [self.element(c).num * common**k for k, c in enumerate(coefficients)]
         return common, primitive(self.triangular.reduce(powers))
 
     def _over_integers(self, plain: list[list[Poly]], common: Poly) -> list[Poly]:
         """The coefficients in one variable, over Z: products need no common denominators."""
         entries = [[univariate(p) for p in row] for row in plain]
         scale = reduce(fmpz.lcm, (p.denom() for row in entries for p in row), fmpz(1))
-        found = characteristic([[(p * scale).numer() if p != 0 else 0 for p in r] for r in entries])
+        coefficients = characteristic(
+            [[(p * scale).numer() if p != 0 else 0 for p in r] for r in entries]
+        )
         below = univariate(common) * scale
-        powers = [fmpq_poly([c]) if isinstance(c, int) else fmpq_poly(c) for c in found]
+        powers = [fmpq_poly([c]) if isinstance(c, int) else fmpq_poly(c) for c in coefficients]
         powers = primitive([c * below**k for k, c in enumerate(powers)])
         x = self.field.generator(0)
         return [
@@ -293,7 +297,7 @@ class CharacteristicPolynomial:
     def _compact(
         self,
         zeros: int,
-        found: Sequence[tuple[Poly, int]],
+        irreducible: Sequence[tuple[Poly, int]],
         nonzero: Sequence[Poly],
         required: Sequence[tuple[Poly, str]],
     ) -> Factored:
@@ -302,7 +306,7 @@ class CharacteristicPolynomial:
         kept = dict(self.triangular.kept) | {
             i: f for i, f in kept.items() if i not in dict(self.triangular.kept)
         }
-        polys = [*(f for f, _ in found), *nonzero, *(p for p, _ in required)]
+        polys = [*(f for f, _ in irreducible), *nonzero, *(p for p, _ in required)]
         used = set().union(*map(occurring, polys)) - {self.lam}
         while True:  # a variable brings the variables of its equation
             more = set().union(*(occurring(f) for f in kept.values() if occurring(f) & used)) - used
@@ -331,7 +335,9 @@ class CharacteristicPolynomial:
             tuple(order),
             ring,
             zeros,
-            tuple((tuple(coefficient_row(moved(f), len(order))), count) for f, count in found),
+            tuple(
+                (tuple(coefficient_row(moved(f), len(order))), count) for f, count in irreducible
+            ),
             tuple(clean),
             tuple(f for f in clean if f not in ending),
             tuple((moved(p), s) for p, s in required),
@@ -371,26 +377,26 @@ class CharacteristicPolynomial:
         table = dict(zip(names, [*a, *ball_unknowns(family, a, q), *q], strict=True))
         return self.completed({i: table[n] for i, n in enumerate(self.base)})
 
-    def completed(self, known: dict[int, Any]) -> dict[int, Any]:
+    def completed(self, values: dict[int, Any]) -> dict[int, Any]:
         """Values with those of the functions added, as balls."""
         for index in sorted(self.field.meaning):
-            known[index] = self.field.enclosed(index, known)
-        return known
+            values[index] = self.field.enclosed(index, values)
+        return values
 
-    def elsewhere(self, known: Mapping[int, Any]) -> int | None:
+    def elsewhere(self, values: Mapping[int, Any]) -> int | None:
         """Index of an unknown that lacks its value on the branch of the samples, or None.
 
         Parameters
         ----------
-        known
+        values
             Values of every indeterminate at a member, as balls.
         """
         for index, form in self.triangular.solved.items():
-            value = arb(evaluate(form.num, known)) / arb(evaluate(form.den, known))
-            if not value.overlaps(arb(known[index])):
+            value = arb(evaluate(form.num, values)) / arb(evaluate(form.den, values))
+            if not value.overlaps(arb(values[index])):
                 return index
         for index, equation in self.triangular.kept:
-            if not arb(evaluate(equation, known)).contains(0):
+            if not arb(evaluate(equation, values)).contains(0):
                 return index
         return None
 
@@ -400,10 +406,10 @@ class CharacteristicPolynomial:
             return bool(poly == 0)
         least = 2.0 ** (-self.bits // 4)
         with precision(self.bits):
-            found = [arb(evaluate(poly, known)) for known in self.samples]
-        if all(v.is_finite() and not v.contains(0) for v in found):
+            values = [arb(evaluate(poly, sample)) for sample in self.samples]
+        if all(v.is_finite() and not v.contains(0) for v in values):
             return False
-        return True if all(v.contains(0) and float(v.abs_upper()) < least for v in found) else None
+        return True if all(v.contains(0) and float(v.abs_upper()) < least for v in values) else None
 
     # --- names ---
 

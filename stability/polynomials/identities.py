@@ -141,12 +141,12 @@ def constant_kernels(matrix: Sequence[Sequence[Any]], zero: Callable[[Any], bool
     [1, 2]
     """
     try:
-        found = [_sample(matrix, number) for number in range(SAMPLES)]
+        samples = [_sample(matrix, number) for number in range(SAMPLES)]
     except (NotExact, ZeroDivisionError):
         return []
     turned = [list(column) for column in zip(*matrix, strict=True)]
-    right = _chain(matrix, found, zero)
-    left = _chain(turned, [m.transpose() for m in found], zero)
+    right = _chain(matrix, samples, zero)
+    left = _chain(turned, [m.transpose() for m in samples], zero)
     longer = max(len(right), len(left))  # a chain that has ended keeps its dimension
     right, left = ([*s, *s[-1:] * (longer - len(s))] for s in (right, left))
     return list(map(max, right, left)) if right and left else right or left

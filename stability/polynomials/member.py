@@ -62,7 +62,10 @@ MOST_DEGREE = 6
 
 
 def exact_unknowns(
-    family: Family, given: tuple[Sequence[Any], Sequence[Any]], root: list[Any], wide: list[Any]
+    family: Family,
+    parameters: tuple[Sequence[Any], Sequence[Any]],
+    root: list[Any],
+    wide: list[Any],
 ) -> list[Any]:
     """The unknowns of a member as rationals or as elements of one number field, or `NotExact`.
 
@@ -71,32 +74,32 @@ def exact_unknowns(
     equations, and lie in the wide balls, which hold no other root.
     """
     simple = [_simplest(ball) for ball in root]
-    if None not in simple and _solve(family, given, simple):
+    if None not in simple and _solve(family, parameters, simple):
         return simple
     if len(root) == 1:
         with suppress(NotExact):
-            return [_of_equation(family, given, root[0])]
+            return [_of_equation(family, parameters, root[0])]
     if None not in simple:
         raise NotExact("rationals that do not solve the equations")
-    found = _recognised(root, simple, wide)
-    if not _solve(family, given, found):
+    recognised = _recognised(root, simple, wide)
+    if not _solve(family, parameters, recognised):
         raise NotExact("unknowns beyond one number field")
-    return found
+    return recognised
 
 
-def _solve(family: Family, given: tuple[Sequence[Any], Sequence[Any]], u: list[Any]) -> bool:
+def _solve(family: Family, parameters: tuple[Sequence[Any], Sequence[Any]], u: list[Any]) -> bool:
     """Whether numbers solve the equations exactly."""
     try:
-        residual, _ = family.graph.residual.run(EXACT, [given[0], u, given[1]])
+        residual, _ = family.graph.residual.run(EXACT, [parameters[0], u, parameters[1]])
     except ZeroDivisionError:
         return False
     return all(vanishes(r) for r in residual)
 
 
-def _of_equation(family: Family, given: tuple[Sequence[Any], Sequence[Any]], ball: Any) -> Any:
+def _of_equation(family: Family, parameters: tuple[Sequence[Any], Sequence[Any]], ball: Any) -> Any:
     """A single unknown as an element of its number field over Q, from its own equation."""
     field = FunctionField(["u"])
-    a, q = ([field.number(v) for v in some] for some in given)
+    a, q = ([field.number(v) for v in some] for some in parameters)
     residual, _ = family.graph.residual.run(EXACT, [a, field.symbols, q])
     terms = residual[0].num.to_dict()
     if any(any(exponents[1:]) for exponents in terms):
@@ -124,10 +127,10 @@ def _recognised(root: list[Any], simple: list[Any], wide: list[Any]) -> list[Any
         if number is not None:
             out.append(number)
             continue
-        *terms, own = _relation([*powers, ball])
-        if not own:
+        *terms, denominator = _relation([*powers, ball])
+        if not denominator:
             raise NotExact("an unknown of another field")
-        poly = fmpq_poly([fmpq(-c, own) for c in terms])
+        poly = fmpq_poly([fmpq(-c, denominator) for c in terms])
         if not room.contains(arb_poly(poly)(root[first])):
             raise NotExact("an unknown of another field")
         out.append(Algebraic(field, field.reduced(poly)))
@@ -178,9 +181,9 @@ def _simplest(ball: Any) -> Any:
     for _ in range(ctx.prec):
         whole = int(rest.floor())
         before, here = here, (whole * here[0] + before[0], whole * here[1] + before[1])
-        found = fmpq(*here)
-        if ball.contains(arb(found)):
-            return found if here[1].bit_length() < ctx.prec // 3 else None
+        convergent = fmpq(*here)
+        if ball.contains(arb(convergent)):
+            return convergent if here[1].bit_length() < ctx.prec // 3 else None
         rest = rest - whole
         if rest == 0:
             return None
@@ -330,28 +333,28 @@ class Member:
         """Flags of the coefficients, with sines, roots and unknowns as indeterminates."""
         family = self.family
         proved, size = identity(family), len(family.system.states)
-        known = known_coefficients(size, proved.zeros, even=proved.even)
+        structural = known_coefficients(size, proved.zeros, even=proved.even)
         large = size > MOST_STATES or family.graph.matrix.size > MOST_STEPS
-        if self.enclosed_only or (large and self._all_known(known)):
-            return known
-        own = known
+        if self.enclosed_only or (large and self._all_known(structural)):
+            return structural
+        flags = structural
         with suppress(NotExact, StabilityError):
             matrix = MemberPolynomial(self, counted()).matrix
             places = nonzero(matrix)
-            own = known_coefficients(size, sparse_zeros(places), even=mirrored(places))
+            flags = known_coefficients(size, sparse_zeros(places), even=mirrored(places))
             blocks = with_symbols(blocks_of(matrix), vanishes)
             count, even = zeros_and_parity(blocks, vanishes)
             more = known_coefficients(size, count, even=even)
-            own = [o or m for o, m in zip(own, more, strict=True)]
+            flags = [o or m for o, m in zip(flags, more, strict=True)]
             poly = whole_polynomial(matrix)
-            own = [o or vanishes(c) for o, c in zip(own, poly, strict=True)]
+            flags = [o or vanishes(c) for o, c in zip(flags, poly, strict=True)]
             if self.has_value():  # entries such as √2, whose products are rational
                 self._rational = [_plain(c) for c in poly]
-        return [k or o for k, o in zip(known, own, strict=True)]
+        return [k or o for k, o in zip(structural, flags, strict=True)]
 
-    def _all_known(self, known: list[bool]) -> bool:
+    def _all_known(self, flags: list[bool]) -> bool:
         """Whether every coefficient that is not known to be zero is proved nonzero by balls."""
-        self._flags = known  # `enclosed` reads them
+        self._flags = flags  # `enclosed` reads them
         try:
             with precision(ROOT_BITS):
                 return not any(c.contains(0) for c in self.enclosed() if not c == 0)
@@ -374,8 +377,8 @@ class Member:
         """The linearisation in balls of `ROOT_BITS`, at a root that is proved or needs no proof."""
         with precision(ROOT_BITS):
             place = [self.balls(self.a), self.unknowns_in_balls(), self.balls(self.q)]
-            found: list[list[Any]] = self.family.graph.matrix.dense(balls(), place)
-        return found
+            matrix: list[list[Any]] = self.family.graph.matrix.dense(balls(), place)
+        return matrix
 
     def enclosed(self) -> list[Any]:
         """Coefficients as balls at the current precision; proved zeros are exact.
@@ -445,10 +448,10 @@ def _generic(
             wide = [arb(v) + arb(0, arb((abs(v) + step) * step)) for v in (*a, *q)]
             try:  # one root for the whole neighbourhood: the samples lie on the branch
                 ball_unknowns(family, wide[: len(a)], wide[len(a) :], near)
-                found = [_sampled(family, a, q, near, step, turn) for turn in range(3)]
+                counts = [_sampled(family, a, q, near, step, turn) for turn in range(3)]
             except (NoMemberError, ZeroDivisionError):
                 continue
-            return min(low for low, _ in found), min(high for _, high in found)
+            return min(low for low, _ in counts), min(high for _, high in counts)
     return identity(family).zeros, len(family.system.states)
 
 
@@ -495,8 +498,8 @@ def exact_verdict(member: Member, zeros: int) -> Verdict | None:
     for reading in READINGS:
         try:
             matrix, ground = reading(member)
-            known = member.algebraic if reading is _over_number_field else None
-            coefficients = known or whole_polynomial(matrix)
+            algebraic = member.algebraic if reading is _over_number_field else None
+            coefficients = algebraic or whole_polynomial(matrix)
             nonzero = next(i for i, c in enumerate(coefficients) if ground.sign(c))
             # a zero that is proved here alone may be structural, and would have to be left out
             if zeros <= nonzero == member.zeros():
@@ -582,8 +585,8 @@ def _sign(ball: Any) -> int:
 class _Enclosed(dict[int, Any]):
     """Balls of indeterminates; those of functions are found when they are asked for."""
 
-    def __init__(self, field: FunctionField, known: Iterable[tuple[int, Any]]) -> None:
-        super().__init__(known)
+    def __init__(self, field: FunctionField, values: Iterable[tuple[int, Any]]) -> None:
+        super().__init__(values)
         self._field = field
 
     def __missing__(self, index: int) -> Any:

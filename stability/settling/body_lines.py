@@ -34,7 +34,7 @@ from ..bodies.round_body.shape import RoundShape
 from ..bodies.round_body.si_law import shape_of
 from ..bodies.round_body.thin import is_thin, unit_disk
 from ..systems.system import System
-from .line import Line, idle_under, signed
+from .line import FamilyLine, idle_under, signed
 from .settling import Settling
 from .surroundings import NOT_PROVED
 
@@ -46,7 +46,7 @@ ROOT = 60
 
 
 def body_settling(
-    body: RoundShape, law: type[Contact], given: tuple[str, ...], resistance: Resistances = ()
+    body: RoundShape, law: type[Contact], parameters: tuple[str, ...], resistance: Resistances = ()
 ) -> Settling:
     """The families that a body may settle on under a law, and those that it may depart from.
 
@@ -54,7 +54,7 @@ def body_settling(
 
     Parameters
     ----------
-    body, law, given, resistance
+    body, law, parameters, resistance
         As for `stability.bodies.round_body.models.angle_model.round_model`.
 
     Returns
@@ -65,7 +65,7 @@ def body_settling(
     records = _records(law)
     if not is_thin(shape_of(body)):  # only these have members in closed form
         records = tuple(f for f in records if f.level or f.upright or f.rests or f.pole)
-    every: Any = body, law, given, resistance, records
+    every: Any = body, law, parameters, resistance, records
     return _settling(*every)
 
 
@@ -84,19 +84,19 @@ def _records(law: type[Contact]) -> tuple[SteadyFamily, ...]:
 def _settling(
     body: RoundShape,
     law: type[Contact],
-    given: tuple[str, ...],
+    parameters: tuple[str, ...],
     resistance: Resistances,
     records: tuple[SteadyFamily, ...],
 ) -> Settling:
-    line = partial(_line, body, law, given, resistance)
-    lines: list[Line] = []
+    line = partial(_line, body, law, parameters, resistance)
+    lines: list[FamilyLine] = []
     # a law that sticks, and creep, have no equations at a pole
     smooth = [p for p in (1, -1) if not law.sticks and smooth_at(body, p)]
     smooth = [] if issubclass(law, Creep) else smooth
     for record in records:
         if record.pole:
             if survives(record.name, resistance, upright=False):
-                lines += [_vertical(body, law, given, resistance, pole) for pole in smooth]
+                lines += [_vertical(body, law, parameters, resistance, pole) for pole in smooth]
             continue
         places = levels(body) if record.level else [math.pi / 2]
         for theta in places:
@@ -111,20 +111,20 @@ def _settling(
 def _line(  # noqa: PLR0913
     body: RoundShape,
     law: type[Contact],
-    given: tuple[str, ...],
+    parameters: tuple[str, ...],
     resistance: Resistances,
     record: SteadyFamily,
     theta: float,
     *,
     several: bool = False,
-) -> Line:
+) -> FamilyLine:
     """A family in the angles; `several` says that the body rolls at more than one inclination."""
     thin, name = is_thin(shape_of(body)), record.name
     family = round_family(
         body,
         name,
         law,
-        given,
+        parameters,
         physical=False,
         resistance=resistance,
         theta=theta if record.level else None,
@@ -133,7 +133,9 @@ def _line(  # noqa: PLR0913
     if several:
         family = replace(family, name=f"{name} near theta = {theta:.4g}")
         call["theta"] = theta
-    system = round_system(body, law, given, physical=False, slip_states=True, resistance=resistance)
+    system = round_system(
+        body, law, parameters, physical=False, slip_states=True, resistance=resistance
+    )
     leaning = record.level and family.held.get("theta") is not UPRIGHT
     y, sign, level = ca.SX.sym("y"), ca.SX.sym("sign"), ca.SX.sym("level")
     member = dict.fromkeys(system.states, 0.0) | {"theta": level if leaning else UPRIGHT}
@@ -143,7 +145,7 @@ def _line(  # noqa: PLR0913
         reason = DRIFTS.format(name) if record.drifts and not resistance else ""
     elif record.rests:
         member |= _tumbling(body, system.p, system.parameters, y, sign)
-    return Line(
+    return FamilyLine(
         family.name,
         system,
         system.states,
@@ -212,17 +214,21 @@ def _level(body: RoundShape, theta: float) -> Callable[..., float]:
 
 
 def _vertical(
-    body: RoundShape, law: type[Contact], given: tuple[str, ...], resistance: Resistances, pole: int
-) -> Line:
+    body: RoundShape,
+    law: type[Contact],
+    parameters: tuple[str, ...],
+    resistance: Resistances,
+    pole: int,
+) -> FamilyLine:
     """Spin about the vertical axis at a pole, in the chart around it with x̂ along X."""
     word = 0 if pole == 1 else "pi"
     family = round_family(
-        body, "vertical", law, given, physical=False, pole=word, resistance=resistance
+        body, "vertical", law, parameters, physical=False, pole=word, resistance=resistance
     )
     family = replace(family, name=f"vertical at theta = {word}")
-    system = pole_system(body, law, given, physical=False, near=pole, resistance=resistance)
+    system = pole_system(body, law, parameters, physical=False, near=pole, resistance=resistance)
     across = (*AXIS[:2], *TURN[:2], *SLIP)
-    return Line(
+    return FamilyLine(
         family.name,
         system,
         (SPIN, *across),

@@ -91,7 +91,7 @@ class Attraction:
 
 @precision(BITS)
 def attraction(
-    around: Surroundings, given: Sequence[float], y: Sequence[Any], e: Sequence[Any]
+    around: Surroundings, arguments: Sequence[float], y: Sequence[Any], e: Sequence[Any]
 ) -> Attraction | None:
     """A box around a state in which its motion is proved to converge to one steady motion.
 
@@ -99,7 +99,7 @@ def attraction(
     ----------
     around
         The family's surroundings.
-    given
+    arguments
         Second argument of its programs.
     y, e
         Parameters of the nearest member and deviation, as balls that contain the true values.
@@ -114,7 +114,7 @@ def attraction(
     centre, slow = y1, np.zeros((len(y), m))
     a = np.zeros((m, m))
     for _ in range(3):
-        both = around.slopes.arrays([centre, list(given), [0.0] * m], ())[0]
+        both = around.slopes.arrays([centre, list(arguments), [0.0] * m], ())[0]
         a, along = both[:m], both[m:]
         if not np.isfinite(both).all() or np.linalg.matrix_rank(a) < m:
             return None
@@ -124,9 +124,9 @@ def attraction(
         return None
     for basis in (_modal(a[None])[2][0], _lyapunov_basis(a)):
         if basis is not None:
-            found = _box(around, given, y, e, centre, slow, basis)
-            if found is not None:
-                return found
+            box = _box(around, arguments, y, e, centre, slow, basis)
+            if box is not None:
+                return box
     return None
 
 
@@ -148,7 +148,7 @@ def _lyapunov_basis(a: Floats) -> Floats | None:
 
 def _box(
     around: Surroundings,
-    given: Sequence[float],
+    arguments: Sequence[float],
     y: Sequence[Any],
     e: Sequence[Any],
     centre: list[float],
@@ -164,14 +164,14 @@ def _box(
         inverse = x.inv()
     except ZeroDivisionError:
         return None
-    held, column = [arb(float(v)) for v in given], arb_mat([[v] for v in e])
+    held, column = [arb(float(v)) for v in arguments], arb_mat([[v] for v in e])
     z = inverse * column
     r, rho = _length([z[i, 0] for i in range(m)]), arb(0)
     if around.remainder is not None:
         rest = around.remainder.dense(balls(), [[], held, [arb(0)] * m])
         off = inverse * arb_mat(rest)
         rho = _length([off[i, 0] for i in range(m)])
-        r = (r + ROOM * rho / _slowest(basis, around, given) + arb(2) ** -BITS).abs_upper()
+        r = (r + ROOM * rho / _slowest(basis, around, arguments) + arb(2) ** -BITS).abs_upper()
     across = [_length([x[i, j] for j in range(m)]) * r for i in range(m)]
     box = [arb(0, v.abs_upper()) for v in across]
     rows = [arb_mat([row.tolist()]) for row in slow]
@@ -186,10 +186,10 @@ def _box(
     ]
     for _ in range(TURNS):
         wide = [arb(c, d) for c, d in zip(centre, delta, strict=True)]
-        arguments = [wide, held, box]
-        if not all(v > 0 for v in around.positive.run(balls(), arguments)[0]):
+        blocks = [wide, held, box]
+        if not all(v > 0 for v in around.positive.run(balls(), blocks)[0]):
             return None
-        dense = around.slopes.dense(balls(), arguments)
+        dense = around.slopes.dense(balls(), blocks)
         j = inverse * arb_mat(dense[:m]) * x
         beta = -_largest(j)
         if not (beta > 0 if around.remainder is None else beta * r > rho):
@@ -214,9 +214,9 @@ def _box(
     return None
 
 
-def _slowest(basis: Floats, around: Surroundings, given: Sequence[float]) -> float:
+def _slowest(basis: Floats, around: Surroundings, arguments: Sequence[float]) -> float:
     """The rate at which deviations fall at the member itself, in double precision."""
-    a = around.slopes.arrays([[], list(given), [0.0] * around.across], ())[0]
+    a = around.slopes.arrays([[], list(arguments), [0.0] * around.across], ())[0]
     j = np.linalg.solve(basis, a @ basis)
     return max(float(-np.linalg.eigvalsh((j + j.T) / 2).max()), 1e-300)
 
@@ -327,9 +327,9 @@ def tapes(around: Surroundings) -> Tapes:
 def boxes(  # noqa: PLR0913
     around: Surroundings,
     y: Balls,
-    given: Floats,
+    arguments: Floats,
     e: Balls,
-    found: Settled,
+    settled: Settled,
     left: NDArray[np.bool_],
     *,
     plain: bool = False,
@@ -338,9 +338,9 @@ def boxes(  # noqa: PLR0913
 
     Parameters
     ----------
-    around, y, given, e, plain
+    around, y, arguments, e, plain
         As for `stability.settling.settling.settled`.
-    found
+    settled
         Where proofs are written.
     left
         Launches that are tried, shape (launches,).
@@ -350,7 +350,9 @@ def boxes(  # noqa: PLR0913
     StabilityError
         If the family's graph has a function without a kernel, such as exp.
     """
-    test = _Test(around, tapes(around), y, given, e, found, plain, np.zeros(len(given), bool))
+    test = _Test(
+        around, tapes(around), y, arguments, e, settled, plain, np.zeros(len(arguments), bool)
+    )
     with np.errstate(all="ignore"):  # nan is never proved
         some, centre, slow, a = test.centres(left)
         if around.along == 1:  # launches with the same parameters share bases
@@ -368,30 +370,30 @@ class _Test:
     around: Surroundings
     made: Tapes
     y: Balls
-    given: Floats
+    arguments: Floats
     e: Balls
-    found: Settled
+    settled: Settled
     plain: bool
     just: NDArray[np.bool_]
     """Which launches are proved, or nearly."""
 
-    def slopes(self, y: Floats, given: Floats) -> Floats:
+    def slopes(self, y: Floats, arguments: Floats) -> Floats:
         """∂G/∂e and ∂g/∂e at members, shape (launches, m + n, m)."""
         m, n = self.around.across, self.around.along
-        points = np.concatenate([y, given, np.zeros((len(y), m))], axis=1)
+        points = np.concatenate([y, arguments, np.zeros((len(y), m))], axis=1)
         mid, _ = self.made.box.run(points.T, plain=self.plain)
-        found: Floats = mid[: (m + n) * m].T.reshape(-1, m + n, m)
-        return found
+        slopes: Floats = mid[: (m + n) * m].T.reshape(-1, m + n, m)
+        return slopes
 
     def centres(self, left: NDArray[np.bool_]) -> tuple[Any, Floats, Floats, Floats]:
         """Launches, centres y_c = y - ℓᵀe, rows ℓ with ℓᵀA = ∂g/∂e there, and A."""
         m = self.around.across
-        whole = np.isfinite(np.hstack([self.y.mid, self.given, self.e.mid])).all(1)
+        whole = np.isfinite(np.hstack([self.y.mid, self.arguments, self.e.mid])).all(1)
         some = np.flatnonzero(whole & left)
-        y, e, given = self.y.mid[some], self.e.mid[some], self.given[some]
+        y, e, arguments = self.y.mid[some], self.e.mid[some], self.arguments[some]
         centre, slow, a = y, np.zeros((len(y), self.around.along, m)), np.zeros((len(y), m, m))
         for _ in range(3):
-            both = self.slopes(centre, given)
+            both = self.slopes(centre, arguments)
             a, right = both[:, :m], both[:, m:].swapaxes(1, 2)
             slow = _solved(a.swapaxes(1, 2), right).swapaxes(1, 2)
             centre = y - (slow @ e[..., None])[..., 0]
@@ -403,8 +405,8 @@ class _Test:
         if not len(some):
             return _modal(a)
         # in any company the same: the basis of the next member on the grid
-        own = np.column_stack([np.rint(centre[:, 0] / STEP), self.given[some]])
-        nodes, rows = np.unique(own, axis=0, return_inverse=True)
+        places = np.column_stack([np.rint(centre[:, 0] / STEP), self.arguments[some]])
+        nodes, rows = np.unique(places, axis=0, return_inverse=True)
         both = self.slopes(nodes[:, :1] * STEP, nodes[:, 1:])
         there, mine = both[:, : self.around.across], rows.ravel()
         stable, z, x, rate = _modal(there)
@@ -416,7 +418,7 @@ class _Test:
 
     def missed(self, some: Any, *rest: Floats) -> tuple[Any, ...]:
         """Launches that just miss the proof, and their parts of some arrays."""
-        again = self.just[some] & ~self.found.proved[some]
+        again = self.just[some] & ~self.settled.proved[some]
         return some[again], *(v[again] for v in rest)
 
     def proofs(self, some: Any, centre: Floats, slow: Floats, bases: Bases) -> None:
@@ -433,25 +435,25 @@ class _Test:
         loops, made, m = compiled(*KERNELS, plain=self.plain), self.made, self.around.across
         c, ell, z, x = (_lanes(v) for v in (centre, slow, z, x))
         y, ry, e, re = (_lanes(v[some]) for v in (*self.y, *self.e))
-        given = _lanes(self.given[some])
+        arguments = _lanes(self.arguments[some])
         f, kappa, r, eta, rows, turned = loops.start(z, x, ell, y, ry, e[:, None], re[:, None], c)
         rho = np.zeros_like(r)
         if made.rest is not None:
-            rho, slowest = self._remainder(loops, given, z, x)
+            rho, slowest = self._remainder(loops, arguments, z, x)
             r = (r + ROOM * rho / slowest) * UP + 2.0**-64
         across, sideways = rows * r * UP, turned * r * UP
         delta = 2 * (eta + sideways) + SPARE * (1 + np.abs(c))
         for turn in range(TURNS):
             mid, rad = np.zeros((2, made.box.inputs, len(some)))
-            mid[: len(c)], mid[len(c) : -m], rad[: len(c)], rad[-m:] = c, given, delta, across
+            mid[: len(c)], mid[len(c) : -m], rad[: len(c)], rad[-m:] = c, arguments, delta, across
             mid, rad = made.box.run(mid, rad, plain=self.plain)
             cut = (len(c) + m) * m
             j, rj = (v[:cut].reshape(-1, m, len(some)) for v in (mid, rad))
             beta, error = loops.turn(z, x, ell, j, rj, f, kappa, r, eta)
             if not turn:  # the rate of a box falls in proportion to its size, about
                 share = np.maximum(MARGIN * rate / (rate - beta), NEAREST)
-                before = np.where(self.just[some], self.found.nearer[some], 0.0)
-                self.found.nearer[some] = np.maximum(np.where(beta < 0, share, NEARER), before)
+                before = np.where(self.just[some], self.settled.nearer[some], 0.0)
+                self.settled.nearer[some] = np.maximum(np.where(beta < 0, share, NEARER), before)
                 self.just[some] |= beta > -JUST * rate
             fine = (mid[cut:] > rad[cut:]).all(0) & (beta > 0) & (beta * r > rho * UP)
             needed = (error + sideways) * UP
@@ -463,29 +465,31 @@ class _Test:
             if not go.any():
                 return
             some, delta = some[go], WIDEN * needed[:, go]
-            c, ell, z, x, given, f, kappa, r, eta, across, sideways, rho, rows = (
+            c, ell, z, x, arguments, f, kappa, r, eta, across, sideways, rho, rows = (
                 np.ascontiguousarray(v[..., go])
-                for v in (c, ell, z, x, given, f, kappa, r, eta, across, sideways, rho, rows)
+                for v in (c, ell, z, x, arguments, f, kappa, r, eta, across, sideways, rho, rows)
             )
 
-    def _remainder(self, loops: Any, given: Floats, z: Floats, x: Floats) -> tuple[Floats, Floats]:
+    def _remainder(
+        self, loops: Any, arguments: Floats, z: Floats, x: Floats
+    ) -> tuple[Floats, Floats]:
         """|Z G| at e = 0, and the rate at which deviations fall there, in double precision."""
         m, made = self.around.across, self.made
-        points = np.vstack([given, np.zeros((m, given.shape[1]))])
+        points = np.vstack([arguments, np.zeros((m, arguments.shape[1]))])
         assert made.rest is not None
         rest, off = (v[:, None] for v in made.rest.run(points, plain=self.plain))
         moved, wide = np.zeros_like(rest), np.zeros_like(rest)
         loops.product(z, rest, off, moved, wide)
         zs, xs = np.moveaxis(z, -1, 0), np.moveaxis(x, -1, 0)
-        j = zs @ self.slopes(np.zeros((len(zs), 0)), given.T) @ xs
+        j = zs @ self.slopes(np.zeros((len(zs), 0)), arguments.T) @ xs
         highest = np.linalg.eigvalsh((j + j.swapaxes(1, 2)) / 2).max(1)
         return loops.length(moved[:, 0], wide[:, 0]), np.maximum(-highest, 1e-300)
 
     def _keep(self, some: Any, c: Floats, error: Floats, beta: Floats, across: Floats) -> None:
-        found = self.found
-        found.proved[some], found.limit[some] = True, c.T
-        found.error[some] = error.max(0)
-        found.rate[some], found.reach[some] = beta, np.sqrt((across * across).sum(0))
+        settled = self.settled
+        settled.proved[some], settled.limit[some] = True, c.T
+        settled.error[some] = error.max(0)
+        settled.rate[some], settled.reach[some] = beta, np.sqrt((across * across).sum(0))
 
 
 def _lanes(v: Floats) -> Floats:
@@ -506,8 +510,8 @@ def _modal(a: Floats) -> Bases:
 
 def real_basis(values: Any, vectors: Any) -> Floats:
     """Real and imaginary parts of eigenvectors, as columns in the place of each pair."""
-    found: Floats = np.where(values.imag[:, None] < 0, vectors.imag, vectors.real)
-    return found
+    basis: Floats = np.where(values.imag[:, None] < 0, vectors.imag, vectors.real)
+    return basis
 
 
 def _lyapunov(a: Floats) -> Bases:
@@ -538,6 +542,6 @@ def _solved(a: Floats, b: Floats) -> Floats:
     """Solutions of many linear systems, nan where the matrix is singular."""
     with np.errstate(all="ignore"):
         regular: Any = np.isfinite(a).all((1, 2)) & (np.linalg.det(a) != 0)
-        found: Any = np.linalg.solve(np.where(regular[:, None, None], a, np.eye(a.shape[1])), b)
-    found[~regular] = np.nan
-    return np.asarray(found)
+        solution: Any = np.linalg.solve(np.where(regular[:, None, None], a, np.eye(a.shape[1])), b)
+    solution[~regular] = np.nan
+    return np.asarray(solution)

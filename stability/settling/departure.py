@@ -18,7 +18,7 @@ from ..spectra.deflation import lowered
 from ..spectra.problem import problem_of
 from ..spectra.spectrum import Rows
 from ..systems.family import Family
-from .line import Line, Near
+from .line import FamilyLine, Near
 from .settling import Settling
 
 GROWTH = 10.0
@@ -74,8 +74,8 @@ def departures(
         rows = np.flatnonzero(mine)[gone]
         at = np.array([line.at(y, q) for y, q in zip(first.y[gone], p[rows], strict=True)])
         off, later = (
-            _in_states(line, line.deviations(x, one)[gone])
-            for x, one in zip(both, (first, last), strict=True)
+            _in_states(line, line.deviations(x, member)[gone])
+            for x, member in zip(both, (first, last), strict=True)
         )
         departed = _grown(family, at.reshape(len(rows), -1), p[rows], off, later, errors[rows])
         sizes = zip(rows, at, near[gone], far[gone], departed, strict=True)
@@ -89,12 +89,12 @@ def departures(
     return said
 
 
-def _in_states(line: Line, off: Floats) -> Floats:
+def _in_states(line: FamilyLine, off: Floats) -> Floats:
     """Deviations in the states of the family's equations."""
     assert line.family is not None
-    known = dict(zip(line.across, off.T, strict=True))
+    deviations = dict(zip(line.across, off.T, strict=True))
     still = np.zeros(len(off))
-    return np.column_stack([known.get(n, still) for n in line.family.system.states])
+    return np.column_stack([deviations.get(n, still) for n in line.family.system.states])
 
 
 def _grown(
@@ -102,10 +102,10 @@ def _grown(
 ) -> list[bool]:
     """Whether the members with values of `at` are unstable, and their modes have grown."""
     parameters = family.system.parameters
-    given = {n: p[:, parameters.index(n)] for n in family.parameters}
-    given |= dict(zip(family.at, a.T, strict=True))
+    numbers = {n: p[:, parameters.index(n)] for n in family.parameters}
+    numbers |= dict(zip(family.at, a.T, strict=True))
     try:
-        rows = Rows(problem_of(subject_of(family, parameters=given)), exact=False)
+        rows = Rows(problem_of(subject_of(family, parameters=numbers)), exact=False)
         codes = np.broadcast_to(rows.spectra()[2], len(a))
         reduced = rows.place.reduced(family, rows.zeros)
         modes = np.broadcast_to(eigenpairs(reduced.matrix)[1], (len(a), *reduced.matrix.shape[1:]))

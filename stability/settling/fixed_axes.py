@@ -16,7 +16,7 @@ from ..bodies.contact_laws import Smooth
 from ..bodies.model import Chart, Model
 from ..bodies.quantities import round_quantities
 from ..bodies.round_body.pole_equations import AXIS, SLIP, TURN
-from .line import Line
+from .line import FamilyLine
 from .settling import Settling
 
 STATES = (*AXIS, *TURN, *SLIP)
@@ -32,18 +32,18 @@ def fixed_model(model: Model) -> Model:
     model
         Model with a chart, of `stability.bodies.round_body.models.pole_model`.
     """
-    known = dict(model.quantities) | dict(round_quantities("", Smooth, (), STATES))
-    return replace(model, states=STATES, quantities=known, chart=None)
+    quantities = dict(model.quantities) | dict(round_quantities("", Smooth, (), STATES))
+    return replace(model, states=STATES, quantities=quantities, chart=None)
 
 
-def fixed_states(chart: Chart, own: int, states: Floats) -> Floats:
+def fixed_states(chart: Chart, count: int, states: Floats) -> Floats:
     """States along fixed axes, with X along the direction x̂ of the given ones.
 
     Parameters
     ----------
     chart
         Chart of the model.
-    own
+    count
         Number of states of its equations.
     states
         The six states of the angles, shape (…, 6).
@@ -53,9 +53,9 @@ def fixed_states(chart: Chart, own: int, states: Floats) -> Floats:
     ndarray
         Shape (…, 8).
     """
-    found = np.zeros((*states.shape[:-1], len(STATES)))
-    found[..., :own] = chart.pack(states)[..., :own]
-    return found
+    fixed = np.zeros((*states.shape[:-1], len(STATES)))
+    fixed[..., :count] = chart.pack(states)[..., :count]
+    return fixed
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +69,7 @@ class FixedSettling(Settling):
         """The states of the angles."""
         return self.chart.report(states)
 
-    def member(self, line: Line, states: Floats) -> Floats | None:
+    def member(self, line: FamilyLine, states: Floats) -> Floats | None:
         """The states of a member; None where these do not rest along fixed axes."""
         if line.chart is None:
             return None

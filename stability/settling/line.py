@@ -44,9 +44,9 @@ def idle_under(law: type[Contact]) -> str:
 
 def signed(states: Floats, p: Floats) -> tuple[Floats, None]:
     """The sign of φ̇ of launches by their six states, then the parameters."""
-    given = np.empty((len(p), 1 + p.shape[1]))
-    given[:, 0], given[:, 1:] = np.copysign(1.0, states[:, SIX.index("phi_dot")]), p
-    return given, None
+    arguments = np.empty((len(p), 1 + p.shape[1]))
+    arguments[:, 0], arguments[:, 1:] = np.copysign(1.0, states[:, SIX.index("phi_dot")]), p
+    return arguments, None
 
 
 class Near(NamedTuple):
@@ -56,12 +56,12 @@ class Near(NamedTuple):
     """The states that name them, shape (launches, along)."""
     distance: Floats
     """Norms of the deviations, shape (launches,); nan where there is no member."""
-    given: Floats
+    arguments: Floats
     """Their other numbers, shape (launches, ·)."""
 
 
 @dataclass(frozen=True, eq=False)
-class Line:
+class FamilyLine:
     """A family of steady motions, with the directions along it and across it."""
 
     name: str
@@ -73,15 +73,15 @@ class Line:
     along: tuple[str, ...]
     """The states that name a member, y, in their order."""
     member: Mapping[str, Any]
-    """The others at a member: expressions of `y` and `given`, numbers, `UPRIGHT`, or None where
+    """The others at a member: expressions of `y` and `arguments`, numbers, `UPRIGHT`, or None where
     any value will do."""
     y: ca.SX
     """Symbol of y."""
-    given: ca.SX
+    arguments: ca.SX
     """Symbols of the other numbers of a member, which end with the parameters of `system`."""
     numbers: Callable[[Floats, Floats], tuple[Floats, NDArray[np.bool_] | None]]
-    """(states of launches, parameters) → values of `given`, and which launches have a member near;
-    None where all have."""
+    """(states of launches, parameters) → values of `arguments`, and which launches have a member
+    near; None where all have."""
     guards: Sequence[ca.SX]
     """Functions of the system's states that must stay positive."""
     steady: bool = True
@@ -116,7 +116,7 @@ class Line:
         member = {n: self.member[n] for n in self.across}
         try:
             return surroundings(
-                self.system, self.guards, member, self.y, self.given, steady=self.steady
+                self.system, self.guards, member, self.y, self.arguments, steady=self.steady
             )
         except StabilityError as error:
             return f"convergence to it is not proved: {str(error).rstrip('.')}"
@@ -139,16 +139,16 @@ class Line:
         if self.along:
             e = ca.substitute(e, self.y, y)
         both = ca.densify(ca.vertcat(y, e))
-        return ca.Function("reading", [x, self.given, right], [both])
+        return ca.Function("reading", [x, self.arguments, right], [both])
 
     @cached_property
     def _there(self) -> Program:
         """(y, given, π/2) → the states across the family at a member."""
         right = ca.SX.sym("right")
-        known = (self.member[n] for n in self.across)
-        column = (0.0 if v is None else right if v is UPRIGHT else v for v in known)
+        values = (self.member[n] for n in self.across)
+        column = (0.0 if v is None else right if v is UPRIGHT else v for v in values)
         there = ca.densify(ca.vertcat(*column))
-        return Program(ca.Function("there", [self.y, self.given, right], [there]))
+        return Program(ca.Function("there", [self.y, self.arguments, right], [there]))
 
     def near(self, states: Floats, p: Floats) -> Near:
         """The members nearest to states of launches, and how far these are from them.
@@ -166,16 +166,16 @@ class Line:
 
     def deviations(self, states: Floats, near: Near) -> Floats:
         """Deviations of states from the nearest members, shape (N, across)."""
-        return _read((self,), states, [near.given])[len(self.along) :].T
+        return _read((self,), states, [near.arguments])[len(self.along) :].T
 
     def enclosed(
-        self, states: Floats, given: Floats, *, plain: bool = False
+        self, states: Floats, arguments: Floats, *, plain: bool = False
     ) -> tuple[Balls, Balls]:
         """As `near`, in balls that hold the true values for numbers that are taken as exact.
 
         Parameters
         ----------
-        states, given
+        states, arguments
             Shapes (N, s) and (N, ·).
         plain
             Whether NumPy does the work although Numba is installed.
@@ -185,7 +185,7 @@ class Line:
         y, e
         """
         reading, right = _reading((self,)), np.full((1, len(states)), RIGHT_ANGLE[0])
-        mid = np.vstack([states.T[: reading.inputs[0]], given.T, right])
+        mid = np.vstack([states.T[: reading.inputs[0]], arguments.T, right])
         rad = np.zeros_like(mid)
         rad[-1] = RIGHT_ANGLE[1]
         tape = reading.tape
@@ -197,21 +197,21 @@ class Line:
         """The readings one by one, where a function has no kernel."""
         from flint import arb
 
-        reading, found = _reading((self,)), np.empty((2, len(self.states), mid.shape[1]))
+        reading, readings = _reading((self,)), np.empty((2, len(self.states), mid.shape[1]))
         parts = np.cumsum(reading.inputs)[:-1].tolist()
         for i in range(mid.shape[1]):
-            own = [arb(*v) for v in zip(mid[:, i].tolist(), rad[:, i].tolist(), strict=True)]
-            blocks = [own[: parts[0]], own[parts[0] : parts[1]], own[parts[1] :]]
+            numbers = [arb(*v) for v in zip(mid[:, i].tolist(), rad[:, i].tolist(), strict=True)]
+            blocks = [numbers[: parts[0]], numbers[parts[0] : parts[1]], numbers[parts[1] :]]
             for j, [v] in enumerate(reading.dense(balls(), blocks)):
-                found[:, j, i] = float(v.mid()), float(v.rad())  # at 53 bits both are doubles
-        return found[0], found[1]
+                readings[:, j, i] = float(v.mid()), float(v.rad())  # at 53 bits both are doubles
+        return readings[0], readings[1]
 
-    def members(self, states: Floats, y: Floats, given: Floats) -> Floats:
-        """The states of the members nearest to launches, of which `near` gives y and `given`."""
+    def members(self, states: Floats, y: Floats, arguments: Floats) -> Floats:
+        """The states of the members nearest to launches; `near` gives y and `arguments`."""
         if self.unchart is not None:
             return self.unchart(y)
         with np.errstate(all="ignore"):
-            across = self._there.run(NUMPY, [list(y.T), list(given.T), [math.pi / 2]])[0]
+            across = self._there.run(NUMPY, [list(y.T), list(arguments.T), [math.pi / 2]])[0]
         there = states.copy()
         for name, value in zip(self.across, across, strict=True):
             if self.member[name] is not None:
@@ -220,10 +220,10 @@ class Line:
 
     def at(self, y: Floats, p: Floats) -> list[float]:
         """The numbers that name a member of the family in `spectrum`."""
-        known = dict(zip(self.along, y.tolist(), strict=True))
-        known |= dict(zip(self.system.parameters, p.tolist(), strict=False))
+        values = dict(zip(self.along, y.tolist(), strict=True))
+        values |= dict(zip(self.system.parameters, p.tolist(), strict=False))
         names = self.along if self.family is None else self.family.at
-        return [known[n] for n in names]
+        return [values[n] for n in names]
 
     def worded(self, names: Sequence[str], values: Iterable[float]) -> str:
         """Names of states or parameters with values and units, for a sentence."""
@@ -254,7 +254,7 @@ class Line:
         )
 
 
-def nearest(lines: tuple[Line, ...], states: Floats, p: Floats) -> list[Near]:
+def nearest(lines: tuple[FamilyLine, ...], states: Floats, p: Floats) -> list[Near]:
     """The members of each of some families that are nearest to launches; one graph reads them all.
 
     Parameters
@@ -270,37 +270,37 @@ def nearest(lines: tuple[Line, ...], states: Floats, p: Floats) -> list[Near]:
     """
     numbers = {find: find(states, p) for find in {line.numbers for line in lines}}
     read = _read(lines, states, [numbers[line.numbers][0] for line in lines])
-    found, first = [], 0
+    members, first = [], 0
     for line in lines:
-        given, exists = numbers[line.numbers]
-        own = first + len(line.along)
-        last = own + len(line.across)
+        arguments, exists = numbers[line.numbers]
+        middle = first + len(line.along)
+        last = middle + len(line.across)
         # no square on the way can make it overflow
-        distance = np.hypot.reduce(read[own:last], axis=0, initial=0.0)
+        distance = np.hypot.reduce(read[middle:last], axis=0, initial=0.0)
         if exists is not None:
             distance[~exists] = np.nan
-        found.append(Near(read[first:own].T, distance, given))
+        members.append(Near(read[first:middle].T, distance, arguments))
         first = last
-    return found
+    return members
 
 
-def _read(lines: tuple[Line, ...], states: Floats, given: Sequence[Floats]) -> Floats:
+def _read(lines: tuple[FamilyLine, ...], states: Floats, arguments: Sequence[Floats]) -> Floats:
     """The states y that name members, then the deviations e, of each family; shape (·, N)."""
     program = _reading(lines)
-    blocks = [list(states.T[: program.inputs[0]]), *(list(g.T) for g in given), [math.pi / 2]]
+    blocks = [list(states.T[: program.inputs[0]]), *(list(g.T) for g in arguments), [math.pi / 2]]
     with np.errstate(all="ignore"):
         values = program.run(NUMPY, blocks)[0]
-    found = np.empty((len(values), len(states)))
+    readings = np.empty((len(values), len(states)))
     for i, value in enumerate(values):
-        found[i] = value
-    return found
+        readings[i] = value
+    return readings
 
 
 @lru_cache(maxsize=64)
-def _reading(lines: tuple[Line, ...]) -> Program:
+def _reading(lines: tuple[FamilyLine, ...]) -> Program:
     """(states of a launch, given of each family, π/2) → y, then e, of each family."""
-    own = [line.reading for line in lines]
-    x = ca.SX.sym("x", max((f.numel_in(0) for f in own), default=0))
-    given, right = [ca.SX.sym("given", f.numel_in(1)) for f in own], ca.SX.sym("right")
-    parts = [f(x[: f.numel_in(0)], g, right) for f, g in zip(own, given, strict=True)]
-    return Program(ca.Function("reading", [x, *given, right], [ca.vertcat(*parts)]))
+    functions = [line.reading for line in lines]
+    x = ca.SX.sym("x", max((f.numel_in(0) for f in functions), default=0))
+    arguments, right = [ca.SX.sym("given", f.numel_in(1)) for f in functions], ca.SX.sym("right")
+    parts = [f(x[: f.numel_in(0)], g, right) for f, g in zip(functions, arguments, strict=True)]
+    return Program(ca.Function("reading", [x, *arguments, right], [ca.vertcat(*parts)]))

@@ -63,7 +63,7 @@ class Form(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Bounds:
+class NormalFormBounds:
     """Upper bounds; each has shape (N,) unless another one is given."""
 
     slowest: Floats
@@ -106,14 +106,16 @@ class Bounds:
     """The part of it that q leaves."""
 
 
-def normal_form(made: Derivatives, y: Floats, given: Floats) -> tuple[Form, Bounds]:
+def normal_form(
+    made: DerivativeTapes, y: Floats, arguments: Floats
+) -> tuple[Form, NormalFormBounds]:
     """The coordinates about members, and their bounds.
 
     Parameters
     ----------
     made
         Derivatives of the field.
-    y, given
+    y, arguments
         Members, shape (N,), and the second argument of the programs, shape (N, ·).
 
     Returns
@@ -121,8 +123,8 @@ def normal_form(made: Derivatives, y: Floats, given: Floats) -> tuple[Form, Boun
     form, bounds
     """
     with np.errstate(all="ignore"):  # nan is never proved
-        exact = at_members(made, y, 0.0, given)
-        about = at_members(made, y, ROOM, given)
+        exact = at_members(made, y, 0.0, arguments)
+        about = at_members(made, y, ROOM, arguments)
         _, values, vectors, rate = eigen(exact[0][:, :-1])
         values, basis = values.astype(complex), real_basis(values, vectors)
         z = _inverse(basis)
@@ -242,15 +244,15 @@ class _Parts:
     def _bilinear(self, b: Floats, rb: Floats) -> tuple[Floats, Floats]:
         """S b(X·, X·), and a bound of what is not exact in it."""
 
-        def apply(s: Floats, tensor: Floats, x: Floats) -> Floats:
+        def transformed(s: Floats, tensor: Floats, x: Floats) -> Floats:
             mixed = (s @ tensor.reshape(*tensor.shape[:2], -1)).reshape(tensor.shape)
-            found: Floats = _both_sides(mixed, x)
-            return found
+            product: Floats = _both_sides(mixed, x)
+            return product
 
-        off = apply(np.abs(self.s), rb + LOOSE * np.abs(b), np.abs(self.x)) * WIDE
-        return apply(self.s, b, self.x), off
+        off = transformed(np.abs(self.s), rb + LOOSE * np.abs(b), np.abs(self.x)) * WIDE
+        return transformed(self.s, b, self.x), off
 
-    def bounds(self, block: Floats, rate: Floats, form: Form) -> Bounds:
+    def bounds(self, block: Floats, rate: Floats, form: Form) -> NormalFormBounds:
         """What is left, with the inverse of Z enclosed as X (1 + F)⁻¹, F = Z X - 1."""
         (_, z, p, n, q, c), m = form, form.z.shape[1]
         eye = np.eye(m)
@@ -262,14 +264,14 @@ class _Parts:
         slack = f * kappa * WIDE  # |(1 + F)⁻¹ - 1|
         still = norm(np.abs(a[:, :m] - block) * WIDE + off[:, :m]) * kappa + norm(block) * slack
         turn = norm(np.abs(self.turn0[:, :m]) + self.turn_wide[:, :m]) * kappa
-        own = self.turn0[:, :m] + n @ block - block @ n
+        residual = self.turn0[:, :m] + n @ block - block @ n
         off_own = (
             LOOSE
             * (np.abs(self.turn0[:, :m]) + np.abs(n) @ np.abs(block) + np.abs(block) @ np.abs(n))
             + self.turn_wide[:, :m]
         )
         turn_off = (norm(off_own) + turn * slack) * WIDE
-        turn_left, turn_even = norm(own), norm(0.5 * (own + np.swapaxes(own, 1, 2)))
+        turn_left, turn_even = norm(residual), norm(0.5 * (residual + np.swapaxes(residual, 1, 2)))
         half = 0.5 * kappa * kappa * WIDE
         size = _bilinear_norm(self.bend0[:, :m]) + norm(self.bend_wide[:, :m])
         size_along = _bilinear_norm(self.bend0[:, m:]) + norm(self.bend_wide[:, m])
@@ -284,7 +286,7 @@ class _Parts:
         row, sizes = (c[:, None] @ block)[:, 0], (np.abs(c[:, None]) @ np.abs(block))[:, 0]
         of_c = np.abs(self.turn0[:, m] + row) * WIDE + LOOSE * (np.abs(self.turn0[:, m]) + sizes)
         line = norm(np.abs(self.turn0[:, m]) + self.turn_wide[:, m])
-        return Bounds(
+        return NormalFormBounds(
             rate,
             _bilinear_norm(p),
             norm(n),
@@ -320,12 +322,12 @@ def _followed(
     return out, off * WIDE
 
 
-def _left(bend: Floats, p: Floats, m: Floats, own: Floats) -> tuple[Floats, Floats]:
+def _left(bend: Floats, p: Floats, m: Floats, matrix: Floats) -> tuple[Floats, Floats]:
     """½ B - O P + P(M·, ·) + P(·, M·), and the sizes of its terms; O is M for P, and 0 for q."""
     across, flat = np.swapaxes(m, 1, 2)[:, None], p.reshape(len(p), p.shape[1], -1)
-    out = 0.5 * bend + across @ p + p @ m[:, None] - (own @ flat).reshape(p.shape)
+    out = 0.5 * bend + across @ p + p @ m[:, None] - (matrix @ flat).reshape(p.shape)
     size = 0.5 * np.abs(bend) + np.abs(across) @ np.abs(p) + np.abs(p) @ np.abs(m)[:, None]
-    return out, size + (np.abs(own) @ np.abs(flat)).reshape(p.shape)
+    return out, size + (np.abs(matrix) @ np.abs(flat)).reshape(p.shape)
 
 
 def norm(a: Floats) -> Floats:
@@ -337,8 +339,8 @@ def norm(a: Floats) -> Floats:
         Shape (N, …).
     """
     flat = a.reshape(len(a), -1)
-    found: Floats = np.sqrt(np.square(flat).sum(1)) * WIDE + 2.0**-500
-    return found
+    norms: Floats = np.sqrt(np.square(flat).sum(1)) * WIDE + 2.0**-500
+    return norms
 
 
 def _bilinear_norm(t: Floats) -> Floats:
@@ -349,12 +351,12 @@ def _bilinear_norm(t: Floats) -> Floats:
     flat = t.reshape(len(t), -1, t.shape[-1])
     g = np.swapaxes(flat, 1, 2) @ flat
     square = g @ g
-    found: Floats = np.sqrt(np.sqrt(np.sqrt(np.square(square).sum((1, 2)))))
-    return found * (1 + 2.0**-28) + 2.0**-100
+    norms: Floats = np.sqrt(np.sqrt(np.sqrt(np.square(square).sum((1, 2)))))
+    return norms * (1 + 2.0**-28) + 2.0**-100
 
 
 @dataclass(frozen=True, eq=False)
-class Derivatives:
+class DerivativeTapes:
     """Tapes of the derivatives of (G, g), m + 1 rows."""
 
     across: int
@@ -370,7 +372,7 @@ class Derivatives:
 
 
 @lru_cache(maxsize=32)
-def derivatives(around: Surroundings) -> Derivatives:
+def derivatives(around: Surroundings) -> DerivativeTapes:
     """Tapes of a family's surroundings.
 
     Parameters
@@ -380,7 +382,7 @@ def derivatives(around: Surroundings) -> Derivatives:
 
     Returns
     -------
-    Derivatives
+    DerivativeTapes
 
     Raises
     ------
@@ -390,9 +392,9 @@ def derivatives(around: Surroundings) -> Derivatives:
     field = around.field
     assert field is not None and around.along == 1
     m, count = around.across, around.slopes.inputs[1]
-    y, given, e = ca.SX.sym("y"), ca.SX.sym("given", count), ca.SX.sym("e", m)
+    y, arguments, e = ca.SX.sym("y"), ca.SX.sym("given", count), ca.SX.sym("e", m)
     constants = field.symbols
-    rows = field.function(y, given, e, *constants)
+    rows = field.function(y, arguments, e, *constants)
     slope = ca.jacobian(rows, e)
     mixed = ca.jacobian(ca.reshape(slope.T, -1, 1), y)
     bend = ca.jacobian(ca.reshape(slope.T, -1, 1), e)
@@ -410,11 +412,11 @@ def derivatives(around: Surroundings) -> Derivatives:
 
     second = ca.vertcat(there[1], ca.reshape(there[2].T, -1, 1))
     flat = ca.reshape(there[0].T, -1, 1)
-    return Derivatives(
+    return DerivativeTapes(
         m,
-        tape([y, given], flat),
-        tape([y, given], second),
-        tape([y, given, e, d, ell], third / 6),
+        tape([y, arguments], flat),
+        tape([y, arguments], second),
+        tape([y, arguments, e, d, ell], third / 6),
         _guards(around),
     )
 
@@ -430,8 +432,8 @@ def _guards(around: Surroundings) -> Tape:
     sizes = list(around.positive.inputs[:3])
 
     def run(a: list[Any], number: Algebra) -> list[Any]:
-        found: list[Any] = around.positive.run(number, _cut(a, sizes))[0]
-        return found
+        values: list[Any] = around.positive.run(number, _cut(a, sizes))[0]
+        return values
 
     return recorded(run, sum(sizes))
 
@@ -441,7 +443,9 @@ def _cut(a: list[Any], sizes: list[int]) -> list[list[Any]]:
     return [a[low:high] for low, high in zip(ends[:-1], ends[1:], strict=True)]
 
 
-def at_members(made: Derivatives, y: Floats, room: float, given: Floats) -> tuple[Floats, ...]:
+def at_members(
+    made: DerivativeTapes, y: Floats, room: float, arguments: Floats
+) -> tuple[Floats, ...]:
     """First, mixed and second derivatives at e = 0 with their radii, over y ± room.
 
     Parameters
@@ -450,7 +454,7 @@ def at_members(made: Derivatives, y: Floats, room: float, given: Floats) -> tupl
         The tapes.
     y, room
         Members, shape (N,), and the half-width about each.
-    given
+    arguments
         Second argument of the programs, shape (N, ·).
 
     Returns
@@ -459,7 +463,7 @@ def at_members(made: Derivatives, y: Floats, room: float, given: Floats) -> tupl
         Shapes (N, m + 1, m), (N, m + 1, m) and (N, m + 1, m, m).
     """
     m, n = made.across, len(y)
-    mid = np.vstack([y, given.T])
+    mid = np.vstack([y, arguments.T])
     rad = np.zeros_like(mid)
     rad[0] = room
     flat = [v.T for v in made.first.run(mid, rad)]

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from ..base.errors import StabilityError
 from ..base.types import Floats
 from .box import Balls, Settled, attraction, boxes, nothing, tapes
-from .line import Line, Near, nearest
+from .line import FamilyLine, Near, nearest
 from .surroundings import NOT_PROVED, Surroundings
 from .tube import in_tube
 
@@ -47,7 +47,7 @@ def last_outside(distance: Floats, within: float) -> int:
 def settled(  # noqa: PLR0913
     around: Surroundings,
     y: Balls,
-    given: Floats,
+    arguments: Floats,
     e: Balls,
     *,
     alone: bool = False,
@@ -62,7 +62,7 @@ def settled(  # noqa: PLR0913
     y, e
         Parameters of the nearest members and deviations, as balls that contain the true values,
         shapes (launches, n) and (launches, m).
-    given
+    arguments
         Second argument of its programs, shape (launches, ·).
     alone
         Whether boxes are tried one by one in flint's balls.  One launch is then soonest done.
@@ -79,50 +79,52 @@ def settled(  # noqa: PLR0913
     >>> from stability.settling.body_lines import disk_settling
     >>> spinning = disk_settling(st.Viscous).lines[1]
     >>> y, e = np.array([[2.5], [1.9]]), np.full((2, 5), 1e-5)
-    >>> given = np.array([[1, 0.25, 0.3]] * 2)
-    >>> settled(spinning.around, Balls(y, 0 * y), given, Balls(e, 0 * e)).proved
+    >>> arguments = np.array([[1, 0.25, 0.3]] * 2)
+    >>> settled(spinning.around, Balls(y, 0 * y), arguments, Balls(e, 0 * e)).proved
     array([ True, False])
     """
-    found, left = nothing(len(given), around.along), np.ones(len(given), bool)
+    result, left = nothing(len(arguments), around.along), np.ones(len(arguments), bool)
     try:
         tapes(around)
         if around.field is not None:
-            left = ~_by_tubes(around, y, given, e, found)
+            left = ~_by_tubes(around, y, arguments, e, result)
         if left.any() and not alone:
-            boxes(around, y, given, e, found, left, plain=plain)
-            return found
+            boxes(around, y, arguments, e, result, left, plain=plain)
+            return result
     except StabilityError:  # a function without a kernel
         pass
     for i in np.flatnonzero(left):
-        _alone(around, y, given, e, found, int(i))
-    return found
+        _alone(around, y, arguments, e, result, int(i))
+    return result
 
 
 def _by_tubes(
-    around: Surroundings, y: Balls, given: Floats, e: Balls, found: Settled
+    around: Surroundings, y: Balls, arguments: Floats, e: Balls, result: Settled
 ) -> NDArray[np.bool_]:
     """Which launches are near a member with a tube; those in it are proved."""
-    near = np.asarray(np.isfinite(np.hstack([y.mid, given, e.mid])).all(1), dtype=bool)
+    near = np.asarray(np.isfinite(np.hstack([y.mid, arguments, e.mid])).all(1), dtype=bool)
     if not near.any():
         return near
     balls = (y.mid[near, 0], y.rad[near, 0]), (e.mid[near], e.rad[near])
-    known, proofs = in_tube(around, balls[0], given[near], balls[1])
-    found.put(np.flatnonzero(near), proofs)
-    near[near] = known
+    has_tube, proofs = in_tube(around, balls[0], arguments[near], balls[1])
+    result.put(np.flatnonzero(near), proofs)
+    near[near] = has_tube
     return near
 
 
-def _alone(around: Surroundings, y: Balls, given: Floats, e: Balls, found: Settled, i: int) -> None:
+def _alone(
+    around: Surroundings, y: Balls, arguments: Floats, e: Balls, result: Settled, i: int
+) -> None:
     """Try the box of one launch in flint's balls."""
     from flint import arb
 
-    own, off = (
+    member, off = (
         [arb(*v) for v in zip(b.mid[i].tolist(), b.rad[i].tolist(), strict=True)] for b in (y, e)
     )
-    proof = attraction(around, given[i].tolist(), own, off)
+    proof = attraction(around, arguments[i].tolist(), member, off)
     if proof is not None:
-        found.proved[i], found.limit[i] = True, proof.limit
-        found.error[i], found.rate[i], found.reach[i] = proof.error, proof.rate, proof.reach
+        result.proved[i], result.limit[i] = True, proof.limit
+        result.error[i], result.rate[i], result.reach[i] = proof.error, proof.rate, proof.reach
 
 
 @dataclass(frozen=True)
@@ -183,9 +185,9 @@ class NearestMany:
     def at(self) -> Floats:
         """States y that name the nearest members, in the columns of `settled.limit`."""
         at = np.full(self.settled.limit.shape, np.nan)
-        for number, one in enumerate(self.near):
+        for number, near in enumerate(self.near):
             mine = self.family == number
-            at[mine, : one.y.shape[1]] = one.y[mine]
+            at[mine, : near.y.shape[1]] = near.y[mine]
         return at
 
     @property
@@ -199,7 +201,7 @@ class NearestMany:
 class Settling:
     """The families of steady motions on which motions of one body or system may settle."""
 
-    lines: tuple[Line, ...]
+    lines: tuple[FamilyLine, ...]
     """The families."""
     none: str = "no steady motion is near"
     """What is said where no family has a member."""
@@ -245,20 +247,20 @@ class Settling:
         p = p if p.ndim == 2 else np.broadcast_to(p, (count, len(p)))
         near = nearest(self.lines, states, p)
         apart = np.full((1 + len(near), count), np.inf)  # the first row is that of no family
-        for row, one in zip(apart[1:], near, strict=True):
-            np.fmin(row, one.distance, out=row)
+        for row, member in zip(apart[1:], near, strict=True):
+            np.fmin(row, member.distance, out=row)
         family, distance = apart.argmin(axis=0) - 1, apart.min(axis=0)
-        whole = nothing(count, max((one.y.shape[1] for one in near), default=0))
+        whole = nothing(count, max((member.y.shape[1] for member in near), default=0))
         close = is_close(distance, within)
         for number in set(family[close].tolist()) - {NONE}:
-            line, one = self.lines[number], near[number]
+            line, member = self.lines[number], near[number]
             if not isinstance(around := line.around, Surroundings):
                 continue
             some = (close & (family == number)).nonzero()[0]
             with np.errstate(all="ignore"):
-                y, e = line.enclosed(states[some], one.given[some], plain=plain or alone)
-            found = settled(around, y, one.given[some], e, alone=alone, plain=plain)
-            whole.put(some, found)
+                y, e = line.enclosed(states[some], member.arguments[some], plain=plain or alone)
+            proofs = settled(around, y, member.arguments[some], e, alone=alone, plain=plain)
+            whole.put(some, proofs)
         return NearestMany(self.names, family, distance, close, whole, tuple(near), states, p)
 
     def closest(self, state: Floats, p: Floats) -> Nearest:
@@ -281,18 +283,22 @@ class Settling:
         -------
         list of Nearest
         """
-        found = self.many(states, p, within, alone=True)
-        return [self._one(found, i, within) for i in range(len(states))]
+        nearest = self.many(states, p, within, alone=True)
+        return [self._in_words(nearest, i, within) for i in range(len(states))]
 
-    def _one(self, found: NearestMany, i: int, within: float) -> Nearest:
+    def _in_words(self, nearest: NearestMany, i: int, within: float) -> Nearest:
         """What is nearest to one of some launches, in words."""
-        number, distance, proof = int(found.family[i]), float(found.distance[i]), found.settled
+        number, distance, proof = (
+            int(nearest.family[i]),
+            float(nearest.distance[i]),
+            nearest.settled,
+        )
         if number == NONE:
             return replace(NOWHERE, evidence=self.none)
-        line, y, done = self.lines[number], found.near[number].y[i], bool(proof.proved[i])
-        error, called = float(proof.error[i]), line.called(y, found.p[i])
+        line, y, done = self.lines[number], nearest.near[number].y[i], bool(proof.proved[i])
+        error, called = float(proof.error[i]), line.called(y, nearest.p[i])
         evidence = f"{distance:.3g} from {called}; "
-        if line.idle or not found.close[i]:
+        if line.idle or not nearest.close[i]:
             idle = f"; {line.idle}" if line.idle and within >= 0 else ""
             evidence = f"nearest is {called}, {distance:.3g} away{idle}"
         elif done:
@@ -306,16 +312,18 @@ class Settling:
             done,
             float(proof.reach[i]) if done else 0.0,
             evidence,
-            float(found.limit[i]),
+            float(nearest.limit[i]),
             error,
-            partial(self._member, found, i),
+            partial(self._member, nearest, i),
         )
 
-    def _member(self, found: NearestMany, i: int) -> Floats | None:
+    def _member(self, nearest: NearestMany, i: int) -> Floats | None:
         """The states of the member that is nearest to one of some launches."""
-        line, near = self.lines[number := found.family[i]], found.near[number]
-        own = slice(i, i + 1)
-        return self.member(line, line.members(found.states[own], near.y[own], near.given[own])[0])
+        line, near = self.lines[number := nearest.family[i]], nearest.near[number]
+        row = slice(i, i + 1)
+        return self.member(
+            line, line.members(nearest.states[row], near.y[row], near.arguments[row])[0]
+        )
 
     def distances(self, states: Floats, p: Floats, near: Nearest) -> Floats:
         """Distances of states, shape (t, s), from the family of a nearest member, shape (t,)."""
@@ -332,7 +340,7 @@ class Settling:
         """The states as the families name them."""
         return states
 
-    def member(self, line: Line, states: Floats) -> Floats | None:  # noqa: ARG002
+    def member(self, line: FamilyLine, states: Floats) -> Floats | None:  # noqa: ARG002
         """The states of a member, as launches are read, from those that the family names."""
         return states
 
@@ -371,11 +379,11 @@ class Watcher:
     def __call__(self, rows: NDArray[np.intp], states: Floats, times: Floats) -> NDArray[np.bool_]:
         """Whether the outcome of each launch is proved."""
         limit = np.where(times < self.horizon[rows], self.limit[rows], self.within)
-        found = self.settling.many(self.report(states), self.p[rows], limit)
-        proved = found.settled.proved
-        tried = found.close
-        self.limit[rows[tried]] = (found.settled.nearer * found.distance)[tried]
+        nearest = self.settling.many(self.report(states), self.p[rows], limit)
+        proved = nearest.settled.proved
+        tried = nearest.close
+        self.limit[rows[tried]] = (nearest.settled.nearer * nearest.distance)[tried]
         mine = rows[proved]
-        self.family[mine], self.error[mine] = found.family[proved], found.settled.error[proved]
-        self.member[mine] = found.limit[proved]
+        self.family[mine], self.error[mine] = nearest.family[proved], nearest.settled.error[proved]
+        self.member[mine] = nearest.limit[proved]
         return proved

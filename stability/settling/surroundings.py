@@ -94,7 +94,7 @@ def surroundings(
     guards: Sequence[ca.SX],
     member: Mapping[str, Any],
     y: ca.SX,
-    given: ca.SX,
+    arguments: ca.SX,
     *,
     steady: bool,
 ) -> Surroundings | str:
@@ -107,10 +107,11 @@ def surroundings(
     guards
         Functions of the system's states that must stay positive.
     member
-        The states across the family by name: expressions of `y` and `given`, numbers, `UPRIGHT`, or
-        None where a state may have any value.  The others name a member, in the order of `y`.
-    y, given
-        Symbols of the first two arguments of the programs; `given` ends with the parameters.
+        The states across the family by name: expressions of `y` and `arguments`, numbers,
+        `UPRIGHT`, or None where a state may have any value.  The others name a member, in the order
+        of `y`.
+    y, arguments
+        Symbols of the first two arguments of the programs; `arguments` ends with the parameters.
     steady
         Whether the members are known to be steady; if not, the graph must show it.
 
@@ -129,8 +130,8 @@ def surroundings(
     along = [n for n in system.states if n not in member]
     there: dict[str, Any] = dict(zip(along, ca.vertsplit(y) if along else [], strict=True))
     for name, value in member.items():
-        known = isinstance(value, (Upright, ca.SX))
-        there[name] = value if known else constants(0.0 if value is None else value)
+        symbolic = isinstance(value, (Upright, ca.SX))
+        there[name] = value if symbolic else constants(0.0 if value is None else value)
     off = dict(zip(member, ca.vertsplit(e), strict=True))
     near = {
         n: v if n in along else Tilted(off[n]) if isinstance(v, Upright) else v + off[n]
@@ -138,11 +139,11 @@ def surroundings(
     }
     watched = ca.vertcat(1, *guards)
     graph = Program(ca.Function("graph", [system.x, system.p], [ca.densify(system.rhs), watched]))
-    p = given[given.numel() - len(system.parameters) :]
+    p = arguments[arguments.numel() - len(system.parameters) :]
 
     def read(states: Mapping[str, Any]) -> tuple[dict[str, ca.SX], list[Any]]:
-        arguments = [[states[n] for n in system.states], ca.vertsplit(p) if p.numel() else []]
-        rates, positive = graph.run(constants.algebra(), arguments)
+        point = [[states[n] for n in system.states], ca.vertsplit(p) if p.numel() else []]
+        rates, positive = graph.run(constants.algebra(), point)
         return dict(zip(system.states, map(ca.SX, rates), strict=True)), positive
 
     rates, positive = read(near)
@@ -154,7 +155,7 @@ def surroundings(
     if along and not all(v.is_zero() for v in at_rest.values()):
         return "that its rates vanish along the family is not seen from the graph's structure"
     field = ca.densify(ca.vertcat(*(rates[n] for n in (*member, *along))))
-    inputs = [y, given, e, constants.column]
+    inputs = [y, arguments, e, constants.column]
 
     def program(name: str, output: ca.SX) -> Program:
         return Program(ca.Function(name, inputs, [ca.densify(output)]), constants.values)

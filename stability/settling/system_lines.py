@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ..base.errors import ParameterError, StabilityError
 from ..base.types import Floats
 from ..systems.family import Family
-from .line import Line
+from .line import FamilyLine
 from .settling import Settling
 
 KEPT = 4
@@ -46,7 +46,7 @@ def system_settling(families: tuple[Family, ...]) -> Settling:
 
 
 @lru_cache(maxsize=32)
-def _line(family: Family) -> Line:
+def _line(family: Family) -> FamilyLine:
     system = family.system
     if family.trimmed:
         raise ParameterError(
@@ -63,7 +63,7 @@ def _line(family: Family) -> Line:
             "its members are found by a root-finder along "
             f"{', '.join(along)}, and convergence to those is not proved"
         )
-    return Line(
+    return FamilyLine(
         family.name,
         system,  # type: ignore[arg-type]  # motions are of systems with a graph
         system.states,
@@ -84,29 +84,29 @@ def _numbers(
     family: Family, members: Callable[..., Members], states: Floats, p: Floats
 ) -> tuple[Floats, NDArray[np.bool_]]:
     """The unknowns at members with the `at` of states, then the parameters; and which exist."""
-    known = dict(zip(family.system.states, states.T, strict=True))
-    known |= dict(zip(family.system.parameters, p.T, strict=True))
+    values = dict(zip(family.system.states, states.T, strict=True))
+    values |= dict(zip(family.system.parameters, p.T, strict=True))
     a, q = (
-        np.column_stack([known[n] for n in names]) if names else np.zeros((len(states), 0))
+        np.column_stack([values[n] for n in names]) if names else np.zeros((len(states), 0))
         for names in (family.at, family.parameters)
     )
     u, good = members(len(states), a.tobytes(), q.tobytes())
     return np.hstack([u, p]), good
 
 
-def _members(family: Family, count: int, *given: bytes) -> Members:
+def _members(family: Family, count: int, *numbers: bytes) -> Members:
     """The unknowns at members with values of `at` and parameters, and which exist.
 
     A launch begins and ends with the same values where no state is among them.
     """
     a, q = (
         np.frombuffer(values).reshape(count, len(names))
-        for values, names in zip(given, (family.at, family.parameters), strict=True)
+        for values, names in zip(numbers, (family.at, family.parameters), strict=True)
     )
-    found = family.members(a, q)
-    good = found.good.copy()
-    good[good] = steady(family, a[good], found.u[good], q[good])
-    return found.u, good
+    members = family.members(a, q)
+    good = members.good.copy()
+    good[good] = steady(family, a[good], members.u[good], q[good])
+    return members.u, good
 
 
 def steady(family: Family, a: Floats, u: Floats, q: Floats) -> NDArray[np.bool_]:

@@ -34,9 +34,9 @@ from .normal_form import (
     LOOSE,
     ROOM,
     WIDE,
-    Bounds,
-    Derivatives,
+    DerivativeTapes,
     Form,
+    NormalFormBounds,
     derivatives,
     norm,
     normal_form,
@@ -99,14 +99,14 @@ class Tubes(NamedTuple):
     """D over |u| in each of these."""
 
 
-def tubes(around: Surroundings, y: Floats, given: Floats) -> Tubes:
+def tubes(around: Surroundings, y: Floats, arguments: Floats) -> Tubes:
     """Tubes about members.
 
     Parameters
     ----------
     around
         Surroundings with a field.
-    y, given
+    y, arguments
         Members, shape (N,), and the second argument of the programs, shape (N, ·).
 
     Returns
@@ -119,24 +119,29 @@ def tubes(around: Surroundings, y: Floats, given: Floats) -> Tubes:
         If the graph has a function without a kernel.
     """
     made = derivatives(around)
-    form, bounds = normal_form(made, y, given)
+    form, bounds = normal_form(made, y, arguments)
     with np.errstate(all="ignore"):
-        return _largest(made, form, bounds, y, given)
+        return _largest(made, form, bounds, y, arguments)
 
 
 def _third(
-    made: Derivatives, form: Form, bounds: Bounds, y: Floats, given: Floats, r: Floats
+    made: DerivativeTapes,
+    form: Form,
+    bounds: NormalFormBounds,
+    y: Floats,
+    arguments: Floats,
+    r: Floats,
 ) -> tuple[Floats, Floats, NDArray[np.bool_]]:
     """Bounds of the terms of third order of z' and w' for |z| ≤ r, and where guards are positive.
 
     Each has shape (N,).
     """
-    m, at = made.across, 1 + given.shape[1]
+    m, at = made.across, 1 + arguments.shape[1]
     box = r[:, None] * bounds.rows * WIDE  # |e_i|
     aside = (np.abs(form.ell) * box).sum(1) * WIDE + ROOM
     mid = np.zeros((at + 3 * m, len(y)))
     rad = np.zeros_like(mid)
-    mid[0], rad[0], mid[1:at], mid[at + 2 * m :] = y, aside * WIDE, given.T, form.ell.T
+    mid[0], rad[0], mid[1:at], mid[at + 2 * m :] = y, aside * WIDE, arguments.T, form.ell.T
     rad[at : at + m] = rad[at + m : at + 2 * m] = box.T
     centre, radius = (v.T for v in made.third.run(mid, rad))
     size = (np.abs(centre) + radius) * WIDE
@@ -147,7 +152,9 @@ def _third(
     return np.sqrt(np.square(across).sum(1)) * WIDE, along, clear
 
 
-def _largest(made: Derivatives, form: Form, b: Bounds, y: Floats, given: Floats) -> Tubes:
+def _largest(
+    made: DerivativeTapes, form: Form, b: NormalFormBounds, y: Floats, arguments: Floats
+) -> Tubes:
     """Nearly the largest radius at which the inequality holds, and what is within."""
     count = len(y)
     best, t, t_w, reach, rate, drift = np.zeros((6, count))
@@ -155,11 +162,11 @@ def _largest(made: Derivatives, form: Form, b: Bounds, y: Floats, given: Floats)
     for _ in range(HALVINGS):
         middle = (low + high) / 2
         r = MOST * (LEAST / MOST) ** middle
-        third, along, clear = _third(made, form, b, y, given, r)
-        found = _tube(b, r, third, along)
-        good = clear & (found[0] > 0)
+        third, along, clear = _third(made, form, b, y, arguments, r)
+        tube = _tube(b, r, third, along)
+        good = clear & (tube[0] > 0)
         for kept, new in zip(
-            (best, t, t_w, reach, rate, drift), (r, third, along, *found), strict=True
+            (best, t, t_w, reach, rate, drift), (r, third, along, *tube), strict=True
         ):
             kept[good] = new[good]
         low, high = np.where(good, low, middle), np.where(good, middle, high)
@@ -174,15 +181,17 @@ def _largest(made: Derivatives, form: Form, b: Bounds, y: Floats, given: Floats)
     return Tubes(form.ell, form.z, form.q, form.c, *sizes, np.stack(inner, 1), np.stack(drifts, 1))
 
 
-def _tube(b: Bounds, r: Floats, third: Floats, along: Floats) -> tuple[Floats, Floats, Floats]:
+def _tube(
+    b: NormalFormBounds, r: Floats, third: Floats, along: Floats
+) -> tuple[Floats, Floats, Floats]:
     """R, β and D/R of tubes with given radii; R is 0 where the inequality does not hold."""
     spread = 1 - b.c * r * WIDE
     delta = 1.05 * (OFF + b.q * r * r) / spread
     done = np.zeros(len(r), dtype=bool)
-    own, beta, moved, none = np.zeros((4, len(r)))
+    reach, beta, moved, none = np.zeros((4, len(r)))
     for _ in range(TURNS):
         shrink = 1 - (b.p * r + b.n * delta) * WIDE
-        own = r * shrink / WIDE
+        reach = r * shrink / WIDE
         k, k_w = _left_over(b, r, delta, third / r, along / r)
         k_0, k_w0 = _left_over(b, none, delta, none, none)
         own_rate = b.slowest - b.turn_even * delta * WIDE
@@ -190,7 +199,7 @@ def _tube(b: Bounds, r: Floats, third: Floats, along: Floats) -> tuple[Floats, F
         moved = k_w0 * (1 / beta_0 + 1 / beta) / 2
         moved = (moved + (k_w - k_w0 / WIDE) * (1 / (6 * beta_0) + 1 / (3 * beta))) * WIDE
         moved = moved / shrink * WIDE  # D over R
-        needed = (OFF + moved * own + b.q * r * r) / spread * WIDE
+        needed = (OFF + moved * reach + b.q * r * r) / spread * WIDE
         done = (needed <= delta) & (delta <= ROOM) & (beta > 0) & (shrink > 0.5)
         done &= (spread > 0.5) & (b.slowest > 0) & (delta > 0)
         lost = ~((beta > 0) & (needed <= ROOM))
@@ -198,11 +207,11 @@ def _tube(b: Bounds, r: Floats, third: Floats, along: Floats) -> tuple[Floats, F
             break
         # what is lost stays so: with more turns than it needs alone it might come back
         delta = np.where(done | lost, delta, 1.1 * needed)
-    return np.where(done, own, 0.0), beta, moved
+    return np.where(done, reach, 0.0), beta, moved
 
 
 def _left_over(
-    b: Bounds, r: Floats, delta: Floats, third: Floats, along: Floats
+    b: NormalFormBounds, r: Floats, delta: Floats, third: Floats, along: Floats
 ) -> tuple[Floats, Floats]:
     """K and K_w: bounds of what is left of u' and W' over |z|, for |z| ≤ r and |w| ≤ δ."""
     inner = b.p * r + b.n * delta  # |u - z| over |z|
@@ -216,7 +225,7 @@ def _left_over(
 
 
 def in_tube(
-    around: Surroundings, y: Any, given: Floats, e: Any
+    around: Surroundings, y: Any, arguments: Floats, e: Any
 ) -> tuple[NDArray[np.bool_], Settled]:
     """Which launches are in a tube in which every motion converges to the family.
 
@@ -227,12 +236,12 @@ def in_tube(
     y, e
         Parameters of the nearest members and deviations as balls (mid, rad) that contain the true
         values, shapes (launches,) and (launches, m).
-    given
+    arguments
         Second argument of the programs, shape (launches, ·).
 
     Returns
     -------
-    known, proofs
+    has_tube, proofs
         Whether the members nearby have a tube, shape (launches,), and which launches are in one.
 
     Raises
@@ -240,40 +249,40 @@ def in_tube(
     StabilityError
         If the graph has a function without a kernel.
     """
-    kept, (at, _), (off, _) = _kept(around), y, e
+    kept, (at, _), (off, _) = _tube_store(around), y, e
     with np.errstate(all="ignore"):  # nan is never proved
-        slow = np.nan_to_num(kept.slow(at, given), posinf=0.0, neginf=0.0)
+        slow = np.nan_to_num(kept.slow(at, arguments), posinf=0.0, neginf=0.0)
         node = np.rint((at - (slow * off).sum(1)) / STEP)
         for _ in range(2):
-            own = kept.rows(node, given)
-            found, along = _proofs(own, node * STEP, y, e)
+            tubes = kept.rows(node, arguments)
+            proofs, along = _proofs(tubes, node * STEP, y, e)
             aside = np.abs(along) > OFF
             if not aside.any():
                 break
             node = np.where(aside, np.rint(node + along / STEP), node)
-        return own.reach > 0, found
+        return tubes.reach > 0, proofs
 
 
-def _proofs(own: Tubes, centre: Floats, y: Any, e: Any) -> tuple[Settled, Floats]:
+def _proofs(tubes: Tubes, centre: Floats, y: Any, e: Any) -> tuple[Settled, Floats]:
     """Which launches are in the tubes about centres, and W."""
     (at, r_at), (off, r_off) = y, e
-    z = _times(own.z, off)
-    r_z = _times(np.abs(own.z), r_off + LOOSE * np.abs(off)) * WIDE
+    z = _times(tubes.z, off)
+    r_z = _times(np.abs(tubes.z), r_off + LOOSE * np.abs(off)) * WIDE
     slack, size = norm(r_z), norm(np.abs(z) + r_z)
-    w = (at - centre) - (own.ell * off).sum(1)
-    r_w = np.abs(at) + np.abs(centre) + (np.abs(own.ell * off)).sum(1)
-    r_w = (r_at + (np.abs(own.ell) * r_off).sum(1) + LOOSE * r_w) * WIDE
-    along = w + _square(own.q, z) + w * (own.c * z).sum(1)
-    r_along = r_w * (1 + own.c_size * size) + np.abs(w) * own.c_size * (slack + LOOSE * size)
-    r_along = (r_along + own.q_size * size * (2 * slack + LOOSE * size)) * WIDE
-    far = size * (1 + own.p_size * size + own.n_size * (np.abs(w) + r_w)) * WIDE
+    w = (at - centre) - (tubes.ell * off).sum(1)
+    r_w = np.abs(at) + np.abs(centre) + (np.abs(tubes.ell * off)).sum(1)
+    r_w = (r_at + (np.abs(tubes.ell) * r_off).sum(1) + LOOSE * r_w) * WIDE
+    along = w + _square(tubes.q, z) + w * (tubes.c * z).sum(1)
+    r_along = r_w * (1 + tubes.c_size * size) + np.abs(w) * tubes.c_size * (slack + LOOSE * size)
+    r_along = (r_along + tubes.q_size * size * (2 * slack + LOOSE * size)) * WIDE
+    far = size * (1 + tubes.p_size * size + tubes.n_size * (np.abs(w) + r_w)) * WIDE
     limit = centre + along
-    drift = np.where(far[:, None] <= own.inner, own.drift, np.inf).min(1)
+    drift = np.where(far[:, None] <= tubes.inner, tubes.drift, np.inf).min(1)
     error = drift * far * WIDE + r_along + LOOSE * (1 + np.abs(limit))
-    known = own.reach > 0
-    proved = known & (far <= own.reach) & ((np.abs(along) + r_along) * WIDE <= OFF)
-    share = np.where(known, np.clip(INSIDE * (own.reach / far), NEAREST, INSIDE), NEARER)
-    parts = (limit, error * WIDE, own.rate, own.half)
+    has_tube = tubes.reach > 0
+    proved = has_tube & (far <= tubes.reach) & ((np.abs(along) + r_along) * WIDE <= OFF)
+    share = np.where(has_tube, np.clip(INSIDE * (tubes.reach / far), NEAREST, INSIDE), NEARER)
+    parts = (limit, error * WIDE, tubes.rate, tubes.half)
     at, error, rate, half = (np.where(proved, v, np.nan) for v in parts)
     return Settled(proved, at[:, None], error, rate, half, share), along
 
@@ -288,26 +297,26 @@ def _square(a: Floats, b: Floats) -> Floats:
     return out
 
 
-class _Kept:
+class _TubeStore:
     """Tubes of one family that were made before."""
 
     def __init__(self, around: Surroundings) -> None:
-        self.around, self.known = around, dict[bytes, Floats]()
+        self.around, self.stored = around, dict[bytes, Floats]()
 
-    def slow(self, y: Floats, given: Floats) -> Floats:
+    def slow(self, y: Floats, arguments: Floats) -> Floats:
         """The row ℓ at members, launch by launch."""
         m = self.around.across
-        first, _ = derivatives(self.around).first.run(np.vstack([y, given.T]))
+        first, _ = derivatives(self.around).first.run(np.vstack([y, arguments.T]))
         return slow_rows(first.T.reshape(-1, m + 1, m))
 
-    def rows(self, node: Floats, given: Floats) -> Tubes:
+    def rows(self, node: Floats, arguments: Floats) -> Tubes:
         """The tubes about `node` steps, launch by launch."""
-        asked = np.column_stack([node, given]) + 0.0  # -0 has other bytes than 0
+        asked = np.column_stack([node, arguments]) + 0.0  # -0 has other bytes than 0
         unique, mine = asked, np.zeros(1, int)
         if len(asked) != 1:  # one launch needs no sorting
             unique, mine = np.unique(asked, axis=0, return_inverse=True)
-        keys, known = [row.tobytes() for row in unique], self.known
-        new = unique[[key not in known for key in keys]]
+        keys, stored = [row.tobytes() for row in unique], self.stored
+        new = unique[[key not in stored for key in keys]]
         if len(new):
             if len(np.unique(new[:, 1:], axis=0)) <= SHARED:  # others will come nearby
                 new[:, 0] = np.floor(new[:, 0] / BLOCK) * BLOCK
@@ -315,9 +324,9 @@ class _Kept:
                 new[:, 0] += np.tile(np.arange(BLOCK), len(new) // BLOCK)
             made = self._made(new)
             # other threads may replace the table meanwhile, so this one answers from its own
-            known, others = known | made, self.known | made
-            self.known = made if len(others) > MOST_NODES else others
-        return _read(np.array([known[k] for k in keys])[mine.ravel()], self.around.across)
+            stored, others = stored | made, self.stored | made
+            self.stored = made if len(others) > MOST_NODES else others
+        return _read(np.array([stored[k] for k in keys])[mine.ravel()], self.around.across)
 
     def _made(self, asked: Floats) -> dict[bytes, Floats]:
         made = dict[bytes, Floats]()
@@ -330,8 +339,8 @@ class _Kept:
 
 
 @lru_cache(maxsize=32)
-def _kept(around: Surroundings) -> _Kept:
-    return _Kept(around)
+def _tube_store(around: Surroundings) -> _TubeStore:
+    return _TubeStore(around)
 
 
 def _read(table: Floats, m: int) -> Tubes:

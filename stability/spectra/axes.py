@@ -121,18 +121,18 @@ def along_axes(subject: Subject, axes: Sequence[Axis], *, exact: bool = False) -
             f"the axes are {' and '.join(sorted(names))}, which are two names for one "
             "coefficient; take one."
         )
-    given = {**subject.numbers, **subject.member}
+    values = {**subject.numbers, **subject.member}
     for grid in axes:
         _check_name(subject, grid.name, alone=len(names) == 1)
-        if grid.name in given:
+        if grid.name in values:
             raise ParameterError(
-                f"{_word(subject, grid.name)} is given as {shown(given[grid.name])}, and "
+                f"{_word(subject, grid.name)} is given as {shown(values[grid.name])}, and "
                 f"as an axis from {grid.low:g} to {grid.high:g}; give it once."
             )
         subject.check_axis(grid.name, grid.low, grid.high)
     problem = problem_of(subject)
     for key in subject.keys:
-        if key not in (*given, *names):
+        if key not in (*values, *names):
             raise ParameterError(f"{key} is missing; make it an axis or give its value.")
     for name, value in problem.values.items():
         if np.ndim(value) and name not in names:
@@ -155,8 +155,8 @@ def along_axes(subject: Subject, axes: Sequence[Axis], *, exact: bool = False) -
 
 def _word(subject: Subject, key: str) -> str:
     """The name of a number, with that of the member's own where it is `at`."""
-    own = subject.family.meaning(key)
-    return key if own == key else f"{key} ({own})"
+    meaning = subject.family.meaning(key)
+    return key if meaning == key else f"{key} ({meaning})"
 
 
 def _check_name(subject: Subject, name: str, *, alone: bool) -> None:
@@ -184,7 +184,7 @@ def _check_members(problem: Problem, axis_values: Mapping[str, Floats]) -> None:
     }
     a, q, _, _ = problem.arrays(values)
     if problem.plain and len(axis_values) == 2:
-        found = problem.family.members(a, q)
-        problem.family.checked_states(a[found.good], found.u[found.good], q[found.good])
+        members = problem.family.members(a, q)
+        problem.family.checked_states(a[members.good], members.u[members.good], q[members.good])
     else:
         problem.family.member(a, q)

@@ -41,7 +41,7 @@ SLACK = 1.01
 
 
 @dataclass(frozen=True)
-class Part:
+class BlockProof:
     """What is proved of one block."""
 
     values: Complexes
@@ -82,9 +82,9 @@ class Blocks:
     @property
     def verdict(self) -> Verdict:
         """The verdict of all blocks."""
-        known = {part.verdict for part in self.parts}
+        verdicts = {part.verdict for part in self.parts}
         order = (Verdict.UNSTABLE, Verdict.UNDECIDED, Verdict.NEUTRAL)
-        return next((v for v in order if v in known), Verdict.STABLE)
+        return next((v for v in order if v in verdicts), Verdict.STABLE)
 
     @property
     def values(self) -> Complexes:
@@ -96,7 +96,7 @@ class Blocks:
         """All radii, in the order of the blocks."""
         return np.concatenate([part.radius for part in self.parts])
 
-    def _part(self, place: NDArray[np.intp]) -> Part:
+    def _part(self, place: NDArray[np.intp]) -> BlockProof:
         matrix, error = (some[np.ix_(place, place)] for some in (self.matrix, self.error))
         values, radius, alone = eigenvalue_discs(matrix, error)
         even = mirrored((matrix != 0) | (error != 0))
@@ -108,7 +108,7 @@ class Blocks:
         small = self.whole and len(place) <= MOST_STATES
         if not clear and small and self._rational is not None:
             return _over_q([[self._rational[i][j] for j in place] for i in place])
-        return Part(values, radius, verdict)
+        return BlockProof(values, radius, verdict)
 
     @cached_property
     def _rational(self) -> list[list[Any]] | None:
@@ -117,9 +117,9 @@ class Blocks:
         if member.enclosed_only:
             return None
         with suppress(NotExact):
-            found = member.matrix()
-            if all(isinstance(v, (int, fmpq)) for row in found for v in row):
-                return found
+            matrix = member.matrix()
+            if all(isinstance(v, (int, fmpq)) for row in matrix for v in row):
+                return matrix
         return None
 
 
@@ -127,7 +127,7 @@ def _pattern(reduced: Reduced) -> NDArray[np.bool_]:
     return np.asarray((reduced.matrix[0] != 0) | (reduced.error[0] != 0))
 
 
-def _over_q(block: Sequence[Sequence[Any]]) -> Part:
+def _over_q(block: Sequence[Sequence[Any]]) -> BlockProof:
     """A block by its polynomial over Q."""
     polynomial = fmpq_mat(block).charpoly()
     values, radius = [], []
@@ -135,4 +135,4 @@ def _over_q(block: Sequence[Sequence[Any]]) -> Part:
         for root in bounded_roots(polynomial):
             values.append(complex(float(root.real.mid()), float(root.imag.mid())))
             radius.append(upper(abs(root - acb(values[-1].real, values[-1].imag))))
-    return Part(np.array(values), np.array(radius), on_the_axis([polynomial]))
+    return BlockProof(np.array(values), np.array(radius), on_the_axis([polynomial]))

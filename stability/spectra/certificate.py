@@ -100,8 +100,8 @@ def certify(
     >>> from stability.bodies.disk import Disk
     >>> from stability.spectra.problem import disk_problem
     >>> problem = disk_problem("rolling", Disk(k=0.5), Viscous(0.3), 1.0)
-    >>> found = certify(problem, problem.values)  # the boundary is omega3² = 1/(2k) = 1
-    >>> found.verdict.word, found.how
+    >>> certificate = certify(problem, problem.values)  # the boundary is omega3² = 1/(2k) = 1
+    >>> certificate.verdict.word, certificate.how
     ('neutral', 'rational arithmetic')
     """
     point = Point(problem, values, member)
@@ -156,9 +156,9 @@ def in_balls(family: Family, a: Balls, q: Balls) -> Verdict | None:
     if not certain(family):
         return None  # the number of zeros is proved for single members only
     zeros = structure(family).zeros
-    found = by_routh(family, characteristic(family, a, q), zeros)
-    if found is not Verdict.STABLE or semisimple(family, zeros):
-        return found
+    verdict = by_routh(family, characteristic(family, a, q), zeros)
+    if verdict is not Verdict.STABLE or semisimple(family, zeros):
+        return verdict
     place = [list(a), ball_unknowns(family, a, q), list(q)]
     matrix = family.graph.matrix.dense(balls(), place)
     drifts = proved_power(kept_block(family, matrix), zeros - len(family.left_out)) > 0
@@ -172,41 +172,41 @@ def _roots(
     exact: ExactPolynomial, problem: Problem, values: Mapping[str, float], *, last: bool
 ) -> Balls | None:
     """Every eigenvalue that is not zero by structure, as a complex ball; None if not isolated."""
-    given = problem.rationals(values)
-    scale, square = exact.scale(given)
+    rationals = problem.rationals(values)
+    scale, square = exact.scale(rationals)
     unit = arb(square).sqrt() if scale is None else arb(scale)
     out: Balls = []
     try:
-        for factor in exact.coefficients(given, EXACT):
+        for factor in exact.coefficients(rationals, EXACT):
             out += bounded_roots(fmpq_poly(factor))
     except NotExact:
-        for factor in exact.coefficients(given, MIXED):
-            found = _ball_roots(factor, problem.family.conservative, last=last)
-            if found is None:
+        for factor in exact.coefficients(rationals, MIXED):
+            roots = _ball_roots(factor, problem.family.conservative, last=last)
+            if roots is None:
                 return None
-            out += found
+            out += roots
     return [root * unit for root in out]
 
 
 def _ball_roots(coefficients: Sequence[Any], even: bool, *, last: bool) -> Balls | None:
-    found = isolated(list(coefficients), even)
-    if found is None and last:
-        found = clustered(monic(coefficients))
-    return found
+    roots = isolated(list(coefficients), even)
+    if roots is None and last:
+        roots = clustered(monic(coefficients))
+    return roots
 
 
 def _member_roots(member: Member, zeros: int, unit: Any, *, last: bool) -> Balls | None:
     """As `_roots`, from the graph; at the last precision, clusters where roots coincide."""
-    found: Balls | None
+    roots: Balls | None
     if member.rational is not None:
-        found = bounded_roots(fmpq_poly(member.rational[zeros:]))
+        roots = bounded_roots(fmpq_poly(member.rational[zeros:]))
     else:
         polynomial = member.enclosed()[zeros:]
         extra = next(i for i, c in enumerate(polynomial) if not c == 0)
         rest = polynomial[extra:]
-        found = _ball_roots(rest, is_even(rest), last=last) if len(rest) > 1 else []
-        found = None if found is None else [acb(0)] * extra + found
-    return found if found is None or unit == 1 else [root * arb(unit) for root in found]
+        roots = _ball_roots(rest, is_even(rest), last=last) if len(rest) > 1 else []
+        roots = None if roots is None else [acb(0)] * extra + roots
+    return roots if roots is None or unit == 1 else [root * arb(unit) for root in roots]
 
 
 def _sharp(root: Any) -> bool:

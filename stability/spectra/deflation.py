@@ -139,7 +139,7 @@ class Reduced(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Place(Record):
+class MemberNumbers(Record):
     """Dimensionless numbers from which the linearisation of members is computed."""
 
     a: Floats
@@ -153,9 +153,9 @@ class Place(Record):
     roundings: tuple[int, ...]
     """Number of roundings in each column of a and q."""
 
-    def __getitem__(self, rows: slice) -> Place:
+    def __getitem__(self, rows: slice) -> MemberNumbers:
         a, q, u = self.a[rows], self.q[rows], self.u[rows]
-        return Place(a, q, u, self.rate[rows], self.roundings)
+        return MemberNumbers(a, q, u, self.rate[rows], self.roundings)
 
     def reduced(self, family: Family, zeros: int, *, watch: bool = False) -> Reduced:
         """The linearisation without structural zeros."""
@@ -195,8 +195,8 @@ def deflate(
     u = family.solve(a, q) if u is None else u
     with np.errstate(all="ignore"):  # `eigenvalues` refuses matrices that are not finite
         count = structure(family).zeros if zeros is None else zeros
-        given = roundings or [0] * (a.shape[1] + q.shape[1])
-        arguments = _arguments(family, a, q, u, given)
+        rounding_counts = roundings or [0] * (a.shape[1] + q.shape[1])
+        arguments = _arguments(family, a, q, u, rounding_counts)
         read = partial(running_error_arrays, arguments=arguments, shape=a.shape[:1])
         return _linearised(family, read, len(a), count, watch)
 
@@ -252,9 +252,13 @@ def _arguments(
 ) -> list[list[RunningError]]:
     """Family parameters, unknowns and parameters, each with its error."""
     cut = a.shape[1]
-    given = [_rounded(a, roundings[:cut]), _rounded(q, roundings[cut:])]
-    doubt = _root_error(family, given, u)
-    return [given[0], [RunningError(c, e) for c, e in zip(u.T, doubt.T, strict=True)], given[1]]
+    parameters = [_rounded(a, roundings[:cut]), _rounded(q, roundings[cut:])]
+    doubt = _root_error(family, parameters, u)
+    return [
+        parameters[0],
+        [RunningError(c, e) for c, e in zip(u.T, doubt.T, strict=True)],
+        parameters[1],
+    ]
 
 
 def tracked_matrix(
@@ -275,7 +279,7 @@ def _rounded(block: Floats, roundings: Sequence[int]) -> list[RunningError]:
     return [RunningError(c, n * UNIT * np.abs(c)) for c, n in zip(block.T, roundings, strict=True)]
 
 
-def _root_error(family: Family, given: list[list[RunningError]], u: Floats) -> Floats:
+def _root_error(family: Family, parameters: list[list[RunningError]], u: Floats) -> Floats:
     """Bound on the error of the solved unknowns, by Krawczyk's test to first order.
 
     The inverse slope turns the residual into a reach.  Where the slope changes too much within this
@@ -285,13 +289,15 @@ def _root_error(family: Family, given: list[list[RunningError]], u: Floats) -> F
         return np.zeros_like(u)
     exact = [RunningError(c, np.zeros_like(c)) for c in u.T]
     residual, slope = running_error_arrays(
-        family.graph.residual, [given[0], exact, given[1]], (len(u),)
+        family.graph.residual, [parameters[0], exact, parameters[1]], (len(u),)
     )
     inverse = inverse_of(slope[0])
     size = np.abs(residual[0]) + residual[1]
     reach: Floats = 2.01 * (np.abs(inverse) @ size)[..., 0] + 2 * UNIT * np.abs(u)
     wide = [RunningError(c, e) for c, e in zip(u.T, reach.T, strict=True)]
-    _, over = running_error_arrays(family.graph.residual, [given[0], wide, given[1]], (len(u),))
+    _, over = running_error_arrays(
+        family.graph.residual, [parameters[0], wide, parameters[1]], (len(u),)
+    )
     change = contraction(inverse, slope[0], over[1] + np.abs(over[0] - slope[0]))
     return np.where((change.sum(axis=-1).max(axis=-1) < 0.5)[:, None], reach, np.inf)
 

@@ -97,8 +97,8 @@ def eigenvalues(reduced: Reduced, *, even: bool) -> Enclosed:
             "nearer to 1."
         )
     with np.errstate(all="ignore"):  # an overflow gives an infinite disc
-        found = _even(reduced) if even else _general(reduced.matrix, reduced.error)
-        values, radius, pairs = found
+        enclosed = _even(reduced) if even else _general(reduced.matrix, reduced.error)
+        values, radius, pairs = enclosed
         radius = np.where(np.isfinite(radius), radius, np.inf)
     if not np.isfinite(values).all():
         raise DomainError("the eigenvalues overflow double precision; give values nearer to 1.")
@@ -358,9 +358,9 @@ def lift(
     return lifted, share.reshape(*shape, -1)
 
 
-def _match(values: Complexes, given: Complexes) -> NDArray[np.intp]:
+def _match(values: Complexes, reference: Complexes) -> NDArray[np.intp]:
     """Place of the nearest given eigenvalue for each value; each place is used once."""
-    distance = np.abs(values[:, :, None] - given[:, None, :])
+    distance = np.abs(values[:, :, None] - reference[:, None, :])
     pick: NDArray[np.intp] = distance.argmin(axis=2)
     twice = np.flatnonzero((np.sort(pick, axis=1) != np.arange(values.shape[1])).any(axis=1))
     if len(twice):

@@ -23,11 +23,11 @@ LIBRARIES = ("casadi", "numpy", "scipy", "python-flint", "xarray")
 def axis_attributes(asked: Any, name: str) -> dict[str, str]:
     """Long name, unit and quantity of a parameter of a `Problem` or a `Spectrum`."""
     system, meaning = asked.family.system, asked.family.meaning(name)
-    known = system.quantities.get(meaning)
-    found = {"units": system.units.get(meaning, "1"), "long_name": meaning}
-    if known is not None:
-        found = known.attributes(dimensionless=asked.dimensionless)
-    return found | {"quantity": meaning}
+    quantity = system.quantities.get(meaning)
+    attributes = {"units": system.units.get(meaning, "1"), "long_name": meaning}
+    if quantity is not None:
+        attributes = quantity.attributes(dimensionless=asked.dimensionless)
+    return attributes | {"quantity": meaning}
 
 
 def rate_attributes(asked: Any) -> dict[str, str]:
@@ -53,8 +53,10 @@ def _units(asked: Any, fixed: Mapping[str, Any]) -> dict[str, Any]:
     system = asked.family.system
     if asked.law:  # the numbers of a `Disk`, whose units its fields say
         return {"dimensionless": int(asked.dimensionless)}
-    known = {n: system.units[n] for n in sorted(fixed) if n in system.units}
-    units: dict[str, Any] = {"parameter_units": json.dumps(known)} if known else {}
+    parameter_units = {n: system.units[n] for n in sorted(fixed) if n in system.units}
+    units: dict[str, Any] = (
+        {"parameter_units": json.dumps(parameter_units)} if parameter_units else {}
+    )
     if system.quantities:
         units["dimensionless"] = int(asked.dimensionless)
         units["quantities"] = written(

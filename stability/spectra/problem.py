@@ -205,13 +205,13 @@ def problem_of(subject: Subject) -> Problem:
     if subject.disk is not None:
         assert subject.law
         return _of_disk(subject, subject.disk, subject.law)
-    given = {**subject.numbers, **subject.member}
+    numbers = {**subject.numbers, **subject.member}
     ratios = {
-        n: r for n, v in given.items() if type(v) is not float and (r := no_double(v)) is not None
+        n: r for n, v in numbers.items() if type(v) is not float and (r := no_double(v)) is not None
     }
     return Problem(
         family,
-        {n: double(ratios[n]) if n in ratios else checked(n, v) for n, v in given.items()},
+        {n: double(ratios[n]) if n in ratios else checked(n, v) for n, v in numbers.items()},
         without_dimension(family.system.quantities, family.system.units),
         partial(_reduce, family),
         roundings=tuple(int(n in ratios) for n in (*family.at, *family.parameters)),
@@ -285,8 +285,8 @@ def formulas_of(family: Family) -> ClosedForm | None:
                 true = characteristic(family, a, q)
             except NoMemberError:
                 continue
-            given, _, _ = formulas(balls(), a, q)
-            monic = [arb(0)] * formulas.zeros + [c / given[-1] for c in given]
+            coefficients, _, _ = formulas(balls(), a, q)
+            monic = [arb(0)] * formulas.zeros + [c / coefficients[-1] for c in coefficients]
             same = [
                 c.overlaps(t) and abs(c - t) < CLOSE * (1 + abs(t))
                 for c, t in zip(monic, true, strict=False)
@@ -305,15 +305,17 @@ def _compare(family: Family, number: int) -> None:
         true = characteristic(family, point[:cut], point[cut:])
         if flips and not all(t.is_finite() for t in true):
             return
-        given = _monic(family, dict(zip(names, point, strict=True)))
+        coefficients = _monic(family, dict(zip(names, point, strict=True)))
         zeros = [arb(0)] * structure(family).zeros
         same = [
             c.overlaps(t) and abs(c - t) < CLOSE * (1 + abs(t))
-            for c, t in zip(zeros + given, true, strict=False)
+            for c, t in zip(zeros + coefficients, true, strict=False)
         ]
-    if not all(same) or len(zeros + given) != len(true):
+    if not all(same) or len(zeros + coefficients) != len(true):
         power = same.index(False) if False in same else len(same)
-        ours, theirs = (float(p[power]) if power < len(p) else 0.0 for p in (zeros + given, true))
+        ours, theirs = (
+            float(p[power]) if power < len(p) else 0.0 for p in (zeros + coefficients, true)
+        )
         raise ParameterError(
             f"the exact polynomial of {family.name} is not that of its equations: at "
             f"{listing(names, [float(v) for v in point])} the coefficient of λ^{power} is "

@@ -26,7 +26,7 @@ from ..polynomials.zero_blocks import most_power
 from ..storage.text import csv_text
 from ..systems.family import Family
 from ..systems.structure.linearity import linear
-from .deflation import Place
+from .deflation import MemberNumbers
 from .eigenvalues import REASONS, Eigenpairs, Modes, lift, mode_labels, track
 from .labels import axis_attributes, of_package, origin, rate_attributes, verdict_attributes
 
@@ -69,12 +69,12 @@ def dimensions(values: Mapping[str, Any], shape: tuple[int, ...]) -> tuple[str, 
 
 def _axes(value: Any, shape: tuple[int, ...]) -> tuple[int, ...]:
     """Axes of the common shape that a value has."""
-    own = np.shape(value)
-    if not own or len(own) > len(shape):
+    lengths = np.shape(value)
+    if not lengths or len(lengths) > len(shape):
         return ()
-    first = len(shape) - len(own)
-    longer = [first + i for i, n in enumerate(own) if n > 1]
-    return tuple(longer or ([first] if own == (1,) and shape[-1] == 1 else []))
+    first = len(shape) - len(lengths)
+    longer = [first + i for i, n in enumerate(lengths) if n > 1]
+    return tuple(longer or ([first] if lengths == (1,) and shape[-1] == 1 else []))
 
 
 def _free(name: str) -> str:
@@ -110,8 +110,8 @@ def dataset(spectrum: Any) -> xarray.Dataset:
         "nonlinear": (dims, _places(spectrum.nonlinear), {
             "long_name": "behaviour of the nonlinear motion",
             "flag_values": np.arange(len(Nonlinear), dtype=np.int8),
-            "flag_meanings": " ".join(one.name.lower() for one in Nonlinear),
-            "sentences": " | ".join(one.value for one in Nonlinear)}),
+            "flag_meanings": " ".join(behaviour.name.lower() for behaviour in Nonlinear),
+            "sentences": " | ".join(behaviour.value for behaviour in Nonlinear)}),
         "label": (every, np.array(spectrum.modes.labels, dtype=object).reshape(
             spectrum.eigenvalues.shape), {"long_name": "mode in words: kind, leading states"}),
     }  # fmt: skip
@@ -120,8 +120,8 @@ def dataset(spectrum: Any) -> xarray.Dataset:
         axes = _axes(value, shape)
         array = np.asarray(value, dtype=float)
         array = array.reshape([shape[i] for i in axes]) if array.ndim else array
-        own = tuple(dims[i] for i in axes) if array.ndim else ()
-        coordinates[_free(name)] = (own, array, axis_attributes(spectrum, name))
+        along = tuple(dims[i] for i in axes) if array.ndim else ()
+        coordinates[_free(name)] = (along, array, axis_attributes(spectrum, name))
     fixed = {n: v for n, v in values.items() if np.ndim(v) == 0}
     return xarray.Dataset(variables, coordinates, origin(
         spectrum, fixed, citation=spectrum.citation,
@@ -134,11 +134,13 @@ def dataset(spectrum: Any) -> xarray.Dataset:
     ))  # fmt: skip
 
 
-def _places(found: Any) -> NDArray[np.int8]:
+def _places(sentences: Any) -> NDArray[np.int8]:
     """The place of each sentence in its enumeration."""
-    known = {one: i for i, one in enumerate(Nonlinear)}
-    given = np.asarray(found, dtype=object)
-    return np.array([known[one] for one in given.ravel()], dtype=np.int8).reshape(given.shape)
+    codes = {behaviour: i for i, behaviour in enumerate(Nonlinear)}
+    array = np.asarray(sentences, dtype=object)
+    return np.array([codes[behaviour] for behaviour in array.ravel()], dtype=np.int8).reshape(
+        array.shape
+    )
 
 
 MOST = 8
@@ -159,13 +161,13 @@ def numbers(values: Complexes) -> list[str]:
     """
     said, left = [], list(values)
     while left:
-        one = left.pop(0)
-        real, imag = f"{one.real + 0.0:.6g}", f"{abs(one.imag):.6g}i"
-        if one.imag and left and left[0] == one.conjugate():
+        value = left.pop(0)
+        real, imag = f"{value.real + 0.0:.6g}", f"{abs(value.imag):.6g}i"
+        if value.imag and left and left[0] == value.conjugate():
             left.pop(0)
             said.append(f"{real} ± {imag}")
         else:
-            said.append(real + (f" {'+' if one.imag > 0 else '-'} {imag}" if one.imag else ""))
+            said.append(real + (f" {'+' if value.imag > 0 else '-'} {imag}" if value.imag else ""))
     return said
 
 
@@ -177,30 +179,30 @@ def counted(spectrum: Any) -> str:
 
 def member(spectrum: Any) -> str:
     """Family parameters of a single spectrum by name, with their units."""
-    given = zip(spectrum.family.at, np.asarray(spectrum.at), strict=True)
-    return ", ".join(f"{n} = {v:.6g}{behind(_unit(spectrum, n))}" for n, v in given)
+    pairs = zip(spectrum.family.at, np.asarray(spectrum.at), strict=True)
+    return ", ".join(f"{n} = {v:.6g}{behind(_unit(spectrum, n))}" for n, v in pairs)
 
 
 def _unit(spectrum: Any, name: str) -> str:
     """The unit of a number, in words where it is dimensionless."""
     system = spectrum.family.system
-    known = system.quantities.get(name)
-    if known is None:
+    quantity = system.quantities.get(name)
+    if quantity is None:
         return str(system.units.get(name, "1"))
-    return known.kind.label(dimensionless=spectrum.dimensionless)  # type: ignore[no-any-return]
+    return quantity.kind.label(dimensionless=spectrum.dimensionless)  # type: ignore[no-any-return]
 
 
 def _law(spectrum: Any) -> str:
     """The contact law with its formula and numbers; empty for a user's system."""
-    known = spectrum.family.system.quantities
-    if not known:
+    quantities = spectrum.family.system.quantities
+    if not quantities:
         return ""
     law = spectrum.family.system.name.rpartition(", ")[2]
     values = {spectrum.family.meaning(n): v for n, v in spectrum.values.items()}
     formula, numbers = "", []
     for name, value in values.items():
-        if name in known and known[name].formula:
-            formula = f" ({known[name].formula})"
+        if name in quantities and quantities[name].formula:
+            formula = f" ({quantities[name].formula})"
             if np.ndim(value) == 0:
                 numbers.append(f"{name} = {float(value):.6g}{behind(_unit(spectrum, name))}")
     return ", ".join([f"{law} contact{formula}", *numbers])
@@ -214,9 +216,9 @@ def of_body(spectrum: Any) -> str:
     single = {n: single[n] for n in (*spectrum.family.at, *single) if n in single}
     if spectrum.dimensionless:
         single = {n: v for n, v in single.items() if n not in ("mass", *LENGTHS, "gravity")}
-    known = {n: Quantity(n, "", n, Kind.NUMBER) for n in single} | dict(system.quantities)
+    quantities = {n: Quantity(n, "", n, Kind.NUMBER) for n in single} | dict(system.quantities)
     return ", ".join(
-        replace(known[n], formula="").value(v, dimensionless=spectrum.dimensionless)
+        replace(quantities[n], formula="").value(v, dimensionless=spectrum.dimensionless)
         for n, v in single.items()
     )
 
@@ -231,9 +233,9 @@ def line(spectrum: Any) -> str:
         said = numbers(spectrum.eigenvalues)
         verdict = ": ".join(filter(None, [spectrum.verdict.word, spectrum.growth()]))
         more = "…, " * (len(said) > MOST)
-        told = f"{number}{unit}: {more}{', '.join(said[-MOST:])}" if said else number
+        tail = f"{number}{unit}: {more}{', '.join(said[-MOST:])}" if said else number
         there = f" at {where}" if (where := member(spectrum)) else ""
-        return f"<Spectrum of {spectrum.family.name}{there}{law}: {verdict}; {told}>"
+        return f"<Spectrum of {spectrum.family.name}{there}{law}: {verdict}; {tail}>"
     what = f"{' x '.join(map(str, shape))} points{law}"
     rates = ""
     if spectrum.codes.size and count:
@@ -308,14 +310,14 @@ def flat(spectrum: Any) -> tuple[list[str], list[list[Any]]]:
     labels = np.asarray(_labels(spectrum), dtype=object).reshape(spectrum.eigenvalues.shape)
     rows: list[list[Any]] = []
     for index in np.ndindex(shape):
-        given = [float(value[index]) for value in numbers.values()]
+        point = [float(value[index]) for value in numbers.values()]
         said = [spectrum.verdict[index].word if shape else spectrum.verdict.word]
         said.append(bool(np.asarray(spectrum.certified)[index]))
         for value, radius, label in zip(
             spectrum.eigenvalues[index], spectrum.radius[index], labels[index], strict=True
         ):
             parts = [value.real + 0.0, value.imag + 0.0, radius]
-            rows.append([*given, *said, *map(float, parts), label])
+            rows.append([*point, *said, *map(float, parts), label])
     return header, rows
 
 
@@ -329,7 +331,7 @@ NOT_ASKED = -1
 
 
 @dataclass(frozen=True, eq=False)
-class Proof(Record):
+class SpectrumProof(Record):
     """Proofs of the certified points of a spectrum."""
 
     abscissa_error: Floats
@@ -339,7 +341,7 @@ class Proof(Record):
     `NOT_ASKED` for double precision, a key of `REASONS` where the proof fails for that reason."""
     escalated: bool = False
     """Whether only points were certified that double precision left undecided."""
-    own: bool = False
+    from_exact: bool = False
     """Whether the proofs start from the family's exact polynomial."""
 
     def sentence(self, index: tuple[int, ...], *, certified: bool) -> str:
@@ -350,7 +352,7 @@ class Proof(Record):
         if bits in REASONS:
             return REASONS[bits]
         far = "proved" if certified else "undecided within the budget of precision"
-        source = " from the family's polynomial" if self.own else ""
+        source = " from the family's polynomial" if self.from_exact else ""
         return f"{far} in {in_words(bits)}{source}"
 
 
@@ -409,14 +411,14 @@ class Spectrum(Record):
     """Verdict as flag values (`Verdict.code`), shape (…)."""
     states: Floats
     """The steady motions, shape (…, states); of the disk dimensionless."""
-    place: Place
+    place: MemberNumbers
     """Dimensionless numbers of the members, one row for each point."""
     rate: Floats
     """Unit of rate: eigenvalues over their values in computations, shape (…); 1 for a user's
     system."""
     scale: Floats
     """Unit of each state, shape (…, states)."""
-    proof: Proof | None = None
+    proof: SpectrumProof | None = None
     """Proof of verdicts and eigenvalues, or None without certified points."""
     power: NDArray[np.int8] | None = None
     """Power of time with which structural zeros are proved to let a disturbance grow, a lower
@@ -602,11 +604,15 @@ class Spectrum(Record):
         codes = np.where(on_zero, CODES[Verdict.UNDECIDED], self.codes)
         if self.power is not None:
             table[GROWS] = Nonlinear.GROWS
-            known = np.isin(codes, [c for c, told in table.items() if told is Nonlinear.OPEN])
-            asked = known & (self.codes != CODES[Verdict.UNDECIDED])
+            open_ = np.isin(
+                codes, [c for c, behaviour in table.items() if behaviour is Nonlinear.OPEN]
+            )
+            asked = open_ & (self.codes != CODES[Verdict.UNDECIDED])
             codes = np.where((self.power > 0) & asked, GROWS, codes)
         if Nonlinear.OPEN in (table[c] for c in np.unique(codes)) and self._linear:
-            table |= {c: Nonlinear.LINEAR for c, told in table.items() if told is Nonlinear.OPEN}
+            table |= {
+                c: Nonlinear.LINEAR for c, behaviour in table.items() if behaviour is Nonlinear.OPEN
+            }
         return _members(np.asarray(codes), table)
 
     @property
@@ -667,9 +673,9 @@ class Spectrum(Record):
         grown = self.growth(index)
         block = f"zeros form a Jordan block, a disturbance {grown}" if grown else ""
         ignored = f"{left} {'are' if ',' in left else 'is'} ignorable" if left else ""
-        found = self.symmetric and certified and not self.family.conservative
+        certain = self.symmetric and certified and not self.family.conservative
         fit = self.family.system.approximation
-        symmetric = "symmetric under λ → -λ by structure" if found else ""
+        symmetric = "symmetric under λ → -λ by structure" if certain else ""
         return "; ".join([*parts, *filter(None, [block, symmetric, ignored, self.note, fit])])
 
     @cached_property

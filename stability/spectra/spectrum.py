@@ -29,10 +29,10 @@ from ..polynomials.zero_blocks import semisimple
 from ..systems.family import Family
 from ..systems.sources.numeric import Derivative, NumericSystem
 from ..systems.structure.structural_zeros import structure
-from .deflation import Place, Reduced, drift_powers, drifting
+from .deflation import MemberNumbers, Reduced, drift_powers, drifting
 from .eigenvalues import Eigenpairs, decide, eigenvalues
 from .problem import Problem, broadcast_shape, problem_of
-from .result import NOT_ASKED, Proof, Spectrum
+from .result import NOT_ASKED, Spectrum, SpectrumProof
 
 if TYPE_CHECKING:
     from ..polynomials.member import Member
@@ -52,15 +52,15 @@ STEADY = 1e-10
 
 
 @dataclass(frozen=True, eq=False)
-class NumericPlace(Place):
+class NumericPlace(MemberNumbers):
     """Members of a family of a numeric system, with the linearisation that is known there."""
 
-    found: Reduced
+    derivative: Reduced
     """Numerical derivative and its estimated error."""
 
     def reduced(self, family: Family, zeros: int, *, watch: bool = False) -> Reduced:  # noqa: ARG002
         """The linearisation; a numeric system has no structural zeros."""
-        return self.found
+        return self.derivative
 
 
 def numeric_spectrum(problem: Problem, system: NumericSystem, *, certify: bool) -> Spectrum:
@@ -92,11 +92,11 @@ def numeric_spectrum(problem: Problem, system: NumericSystem, *, certify: bool) 
     a, q, rate, shape = problem.arrays(problem.values)
     members = [_member(family, system, a[i], q[i]) for i in range(len(a))]
     states, matrices, errors, unknowns = (np.array(part) for part in zip(*members, strict=True))
-    found = Reduced(matrices, errors, [], np.zeros(len(a), dtype=np.intp))
-    values, radius, pairs = eigenvalues(found, even=False)
+    reduced = Reduced(matrices, errors, [], np.zeros(len(a), dtype=np.intp))
+    values, radius, pairs = eigenvalues(reduced, even=False)
     n = states.shape[1]
     roundings = (0,) * (a.shape[1] + q.shape[1])
-    place = NumericPlace(a, q, unknowns.reshape(len(a), -1), rate, roundings, found)
+    place = NumericPlace(a, q, unknowns.reshape(len(a), -1), rate, roundings, reduced)
     return Spectrum(
         family,
         a.reshape(*shape, -1),
@@ -119,35 +119,37 @@ def _member(
     family: Family, system: NumericSystem, a: Floats, q: Floats
 ) -> tuple[Floats, Floats, Floats, Floats]:
     """State, linearisation, its estimated error, and unknowns of one member."""
-    given = dict(zip((*family.at, *family.parameters), (*a, *q), strict=True))
-    p = np.array([given[n] for n in system.parameters], dtype=float)
-    x = np.array([_value(family, given, n) for n in system.states])
+    values = dict(zip((*family.at, *family.parameters), (*a, *q), strict=True))
+    p = np.array([values[n] for n in system.parameters], dtype=float)
+    x = np.array([_value(family, values, n) for n in system.states])
     where = [system.index(n) for n in family.unknown]
     rows = [system.index(n) for n in family.equations]
     doubt = np.zeros_like(x)
     if where:
-        doubt[where] = np.abs(_solve(family, system, x, p, where, rows, given))
-    found = system.derivative(x, p)
+        doubt[where] = np.abs(_solve(family, system, x, p, where, rows, values))
+    derivative = system.derivative(x, p)
     rates = np.abs(system.call(x, p))
-    scale = 1 + np.abs(found.value).max() * (1 + np.abs(x).max())
+    scale = 1 + np.abs(derivative.value).max() * (1 + np.abs(x).max())
     if not (rates <= STEADY * scale).all():
         worst = int(rates.argmax())
         raise NoMemberError(
             f"{family.name} is not steady: {system.states[worst]} still changes at "
-            f"{rates[worst]:.2g} at {listing(tuple(given), list(given.values()))}; add its rate to "
-            "the family's equations, or give what is held to all its digits."
+            f"{rates[worst]:.2g} at {listing(tuple(values), list(values.values()))}; add its rate "
+            "to the family's equations, or give what is held to all its digits."
         )
     # a root is known to its last Newton step; the derivative moves with it
     moved = (
-        system.derivative(x + 2 * doubt, p) if where else Derivative(found.value, 0 * found.value)
+        system.derivative(x + 2 * doubt, p)
+        if where
+        else Derivative(derivative.value, 0 * derivative.value)
     )
-    error: Floats = found.error + np.abs(found.value - moved.value)
-    return x, found.value, np.asarray(error), x[where]
+    error: Floats = derivative.error + np.abs(derivative.value - moved.value)
+    return x, derivative.value, np.asarray(error), x[where]
 
 
-def _value(family: Family, given: dict[str, float], name: str) -> float:
-    if name in given:
-        return float(given[name])
+def _value(family: Family, values: dict[str, float], name: str) -> float:
+    if name in values:
+        return float(values[name])
     if name in family.unknown:
         return float(family.unknown[name])
     held = family.held[name]
@@ -161,7 +163,7 @@ def _solve(
     p: Floats,
     where: list[int],
     rows: list[int],
-    given: dict[str, float],
+    values: dict[str, float],
 ) -> Floats:
     """Newton's method on the unknowns within x; returns the last step."""
     step: Floats = np.full(len(where), np.inf)
@@ -182,7 +184,7 @@ def _solve(
         step = new
     raise NoMemberError(
         f"{family.name} has no member that Newton's method reaches at "
-        f"{listing(tuple(given), list(given.values()))}; choose another point or another guess."
+        f"{listing(tuple(values), list(values.values()))}; choose another point or another guess."
     )
 
 
@@ -220,7 +222,7 @@ class Rows:
         a, q, rate, self.shape = problem.arrays(problem.values)
         self._step = max(1, PIECE // size**2)
         u = self._joined(len(a), lambda piece: (family.solve(a[piece], q[piece]),))[0]
-        self.place = Place(a, q, u, rate, tuple(problem.roundings))
+        self.place = MemberNumbers(a, q, u, rate, tuple(problem.roundings))
         self.states: Floats = self._joined(
             len(a), lambda p: (family.checked_states(a[p], u[p], q[p]),)
         )[0]
@@ -446,7 +448,7 @@ def spectrum(
         values, radius = values * rate[:, None], (radius + last * np.abs(values)) * rate[:, None]
     if not np.isfinite(values).all():
         raise DomainError("the eigenvalues overflow double precision; give values nearer to 1.")
-    found = Spectrum(
+    result = Spectrum(
         resolved,
         _shaped(np.array(_given(problem)).reshape(len(resolved.at), len(rate)).T, shape),
         _shaped(values, shape),
@@ -469,11 +471,11 @@ def spectrum(
     asked = np.full(len(rate), certify)
     if escalate:
         asked |= codes == UNDECIDED
-    return proved(found, rows, asked, shape, escalated=not certify) if asked.any() else found
+    return proved(result, rows, asked, shape, escalated=not certify) if asked.any() else result
 
 
 def proved(
-    found: Spectrum,
+    spectrum: Spectrum,
     rows: Rows,
     asked: NDArray[np.bool_],
     shape: tuple[int, ...],
@@ -484,7 +486,7 @@ def proved(
 
     Parameters
     ----------
-    found
+    spectrum
         Spectrum from double precision; its modes stay.
     rows
         The members.
@@ -500,11 +502,11 @@ def proved(
     -------
     Spectrum
     """
-    flat = found.eigenvalues.reshape(-1, found.eigenvalues.shape[-1]).copy()
-    radius = found.radius.reshape(flat.shape).copy()
-    error = np.asarray(found.abscissa_error, dtype=float).reshape(-1).copy()
-    codes, bits = found.codes.reshape(-1).copy(), np.full(len(flat), NOT_ASKED, dtype=np.int64)
-    powers = None if found.power is None else found.power.reshape(-1).copy()
+    flat = spectrum.eigenvalues.reshape(-1, spectrum.eigenvalues.shape[-1]).copy()
+    radius = spectrum.radius.reshape(flat.shape).copy()
+    error = np.asarray(spectrum.abscissa_error, dtype=float).reshape(-1).copy()
+    codes, bits = spectrum.codes.reshape(-1).copy(), np.full(len(flat), NOT_ASKED, dtype=np.int64)
+    powers = None if spectrum.power is None else spectrum.power.reshape(-1).copy()
     seen: dict[int, Certificate | None] = {}
     where = np.flatnonzero(asked)
     for row, first in zip(where, rows.firsts(where), strict=True):
@@ -520,13 +522,13 @@ def proved(
             error[row] = certificate.abscissa_error
             flat[row], radius[row] = certificate.eigenvalues, certificate.radius
     return replace(
-        found,
-        eigenvalues=flat.reshape(found.eigenvalues.shape),
-        radius=radius.reshape(found.radius.shape),
+        spectrum,
+        eigenvalues=flat.reshape(spectrum.eigenvalues.shape),
+        radius=radius.reshape(spectrum.radius.shape),
         codes=codes.reshape(shape),
         power=None if powers is None else powers.reshape(shape),
-        proof=Proof(
-            error.reshape(shape), bits.reshape(shape), escalated, found.family.exact is not None
+        proof=SpectrumProof(
+            error.reshape(shape), bits.reshape(shape), escalated, spectrum.family.exact is not None
         ),
     )
 

@@ -182,11 +182,11 @@ def exact_numbers(
     problem: Problem, values: Mapping[str, float]
 ) -> tuple[list[Any], list[Any], Any]:
     """Family parameters, parameters and unit of rate: rationals, or balls where irrational."""
-    given = problem.rationals(values)
-    if "lean" in given:  # π/2 - lean is a ball at best
-        given["lean"] = arb(given["lean"])
+    numbers = problem.rationals(values)
+    if "lean" in numbers:  # π/2 - lean is a ball at best
+        numbers["lean"] = arb(numbers["lean"])
     with precision(MOST_BITS):
-        return problem.reduce(given, nearest_root)
+        return problem.reduce(numbers, nearest_root)
 
 
 def structural_zeros(member: Member) -> int:
@@ -394,9 +394,9 @@ def in_words(bits: int) -> str:
     bits
         Precision of the balls, 0 for rational arithmetic, or the code of a route.
     """
-    known = {route.code: route.arithmetic for route in ROUTES if route.code}
+    words = {route.code: route.arithmetic for route in ROUTES if route.code}
     if bits < 0:
-        return known.get(bits, "no arithmetic")
+        return words.get(bits, "no arithmetic")
     return f"balls of {bits} bits" if bits else "rational arithmetic"
 
 

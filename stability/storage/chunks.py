@@ -147,13 +147,13 @@ class Variable:
 
     def checked(self, values: Any, cells: int) -> NDArray[Any]:
         """Values of some cells as an array of the variable."""
-        given, shape = np.asarray(values), (cells, *(n for _, n in self.more))
-        if given.shape != shape or not np.can_cast(given.dtype, self.dtype, "same_kind"):
+        array, shape = np.asarray(values), (cells, *(n for _, n in self.more))
+        if array.shape != shape or not np.can_cast(array.dtype, self.dtype, "same_kind"):
             raise ParameterError(
-                f"{self.name} of a chunk is {shown(given)}; the work must give shape {shape}, "
+                f"{self.name} of a chunk is {shown(array)}; the work must give shape {shape}, "
                 f"{self.dtype}."
             )
-        return given.astype(self.dtype, copy=False)
+        return array.astype(self.dtype, copy=False)
 
 
 def check_chunk(variables: tuple[Variable, ...], arrays: Arrays, cells: int) -> Arrays:
@@ -161,14 +161,14 @@ def check_chunk(variables: tuple[Variable, ...], arrays: Arrays, cells: int) -> 
     names = [v.name for v in variables]
     if set(arrays) != set(names):
         raise ParameterError(f"the work gave {shown(sorted(arrays))}; it must give {names}.")
-    found = {v.name: v.checked(arrays[v.name], cells) for v in variables}
+    checked = {v.name: v.checked(arrays[v.name], cells) for v in variables}
     marker = variables[0]
-    if bool((found[marker.name] == marker.fill).any()):
+    if bool((checked[marker.name] == marker.fill).any()):
         raise ParameterError(
             f"{marker.name} holds {marker.fill}, which marks cells that are not there yet; give "
             "another value."
         )
-    return found
+    return checked
 
 
 class Writer(Protocol):
@@ -284,6 +284,6 @@ class Memory:
             dims = (*self.layout.dims, *(n for n, _ in v.more))
             kind = coordinates if v.coordinate else variables
             kind[v.name] = dims, self._arrays[v.name], v.attrs
-        found = labelled(variables, coordinates | self.coords, self.attrs)
+        dataset = labelled(variables, coordinates | self.coords, self.attrs)
         more = self._attached
-        return found if more is None else found.assign(more.variables).assign_attrs(more.attrs)
+        return dataset if more is None else dataset.assign(more.variables).assign_attrs(more.attrs)

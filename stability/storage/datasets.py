@@ -106,14 +106,14 @@ def dataset_target(
     overwrite
         Whether an existing file may be replaced; "same": if the same call wrote it.
     """
-    found = format_to_write(path, *ways, option=option)
-    found.check_installed()
-    if not found.folder:
+    storage_format = format_to_write(path, *ways, option=option)
+    storage_format.check_installed()
+    if not storage_format.folder:
         return check_target(path, overwrite=overwrite)
     target = check_folder(path)
     if target.is_dir():
-        if found.check is not None:
-            found.check(target)
+        if storage_format.check is not None:
+            storage_format.check(target)
     else:
         draft = target.parent / temporary(target.suffix)
         with refusing(target):
@@ -144,9 +144,9 @@ def write_dataset(
     import numpy as np
     import xarray
 
-    found = format_to_write(path, "write")
-    found.check_installed()
-    assert found.write is not None
+    storage_format = format_to_write(path, "write")
+    storage_format.check_installed()
+    assert storage_format.write is not None
     encoded = dataset.copy()
     for name, variable in dataset.variables.items():
         if variable.dtype.kind == "c":
@@ -155,7 +155,7 @@ def write_dataset(
             dims = (*variable.dims, PARTS)
             encoded[name] = xarray.Variable(dims, parts, attributes, variable.encoding)
     with atomic_write(path, overwrite=overwrite) as draft:
-        found.write(encoded, draft)
+        storage_format.write(encoded, draft)
     return Path(path)
 
 
@@ -194,13 +194,15 @@ def read_dataset(
     """
     import xarray
 
-    found = format_named(place(path), usual)
-    found.check_installed()
-    dataset: xarray.Dataset = found.read(path, lazy=lazy)
+    storage_format = format_named(place(path), usual)
+    storage_format.check_installed()
+    dataset: xarray.Dataset = storage_format.read(path, lazy=lazy)
     if str(dataset.attrs.get("format")) not in kinds:
         dataset.close()
         what = listed([*kinds.values()], "or")
-        raise FileError(f"{path_text(path)} is {found.name} but not {what} written by stability.")
+        raise FileError(
+            f"{path_text(path)} is {storage_format.name} but not {what} written by stability."
+        )
     for name, variable in list(dataset.variables.items()):
         if PARTS in variable.dims:
             values = variable.values[..., 0] + 1j * variable.values[..., 1]
@@ -227,10 +229,10 @@ def file_citation(path: str | os.PathLike[str]) -> Citation:
         f"{path_text(target)} says nothing of what to cite; give a figure, film, page or dataset "
         "that this package wrote."
     )
-    if any(target.suffix.lower() in found.endings for found in FORMATS):
-        found = format_named(target, NETCDF)
-        found.check_installed()
-        with found.read(target, lazy=True) as dataset:
+    if any(target.suffix.lower() in storage_format.endings for storage_format in FORMATS):
+        storage_format = format_named(target, NETCDF)
+        storage_format.check_installed()
+        with storage_format.read(target, lazy=True) as dataset:
             if not keys_of(dataset):
                 raise nothing
             return citation(dataset)
@@ -242,7 +244,9 @@ def file_citation(path: str | os.PathLike[str]) -> Citation:
     if not record.get(KEYS):
         raise nothing
     made = f"{target.name} was made by {record[CALL]} with stability {record[VERSION]}"
-    for told in (value for value in record.values() if isinstance(value, dict)):
-        made += f" from {title}" if (title := told.get("attributes", {}).get("title")) else ""
+    for description in (value for value in record.values() if isinstance(value, dict)):
+        made += (
+            f" from {title}" if (title := description.get("attributes", {}).get("title")) else ""
+        )
     made += ", and by code of the user." if f"its {LATER}" in record else "."
     return citation_of_keys(record[KEYS], record[VERSION], made)

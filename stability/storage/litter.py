@@ -54,10 +54,10 @@ def clear(folder: Path, *, always: bool = False) -> None:
 
 def _left(entry: os.DirEntry[str]) -> bool:
     """Whether an entry is a temporary file whose process has ended."""
-    found = PATTERN.fullmatch(entry.name)
-    if found is None:
+    match = PATTERN.fullmatch(entry.name)
+    if match is None:
         return False
-    host, pid, start = found[1], int(found[2]), int(found[3])
+    host, pid, start = match[1], int(match[2]), int(match[3])
     if host == _host() and not (start == 0 and sys.platform == "win32"):
         return not _lives(pid, start)
     with suppress(OSError):

@@ -116,9 +116,9 @@ def _variables(file: Any) -> Iterator[tuple[str, Any]]:
     for name in file:
         if file.get(name, getclass=True, getlink=True) is not h5py.HardLink:
             raise FileError(f"{path_text(name)} of the file leads elsewhere; it is none of ours.")
-        found = file[name]
-        if isinstance(found, h5py.Dataset):
-            yield name, found
+        entry = file[name]
+        if isinstance(entry, h5py.Dataset):
+            yield name, entry
 
 
 def _twice(variable: Any) -> bool:
@@ -284,7 +284,7 @@ def _bound(seconds: int, memory: int) -> None:
 # --- row by row ---
 
 
-class Rows:
+class NetcdfRows:
     """A NetCDF file that is written row by row.
 
     Parameters
@@ -321,7 +321,7 @@ def rows(
     attrs: Mapping[str, Any],
     *,
     overwrite: Overwrite = False,
-) -> Iterator[Rows]:
+) -> Iterator[NetcdfRows]:
     """Write a file row by row; it has its name, and a checksum, when all is there.
 
     Parameters
@@ -340,7 +340,7 @@ def rows(
             try:
                 with postponed():
                     file = _created(sink, layout, variables, coords, attrs)
-                written = Rows(file, sink)
+                written = NetcdfRows(file, sink)
                 yield written
                 written.note({ATTRIBUTE: STATEMENT})
             finally:
@@ -413,7 +413,7 @@ class _Sink(io.RawIOBase):
         return self._file.tell()
 
     def truncate(self, size: int | None = None) -> int:
-        with self._kept():
+        with self._keeping_error():
             self._file.truncate(size)
         return size or 0
 
@@ -426,18 +426,18 @@ class _Sink(io.RawIOBase):
     def write(self, data: Any) -> int:
         view = memoryview(data).cast("B")
         count = len(view)
-        with self._kept():
+        with self._keeping_error():
             while len(view) and self._error is None:
                 view = view[self._file.write(view) or 0 :]
         return count
 
     def close(self) -> None:
-        with self._kept():
+        with self._keeping_error():
             self._file.close()
         super().close()
 
     @contextmanager
-    def _kept(self) -> Iterator[None]:
+    def _keeping_error(self) -> Iterator[None]:
         try:
             yield
         except OSError as error:

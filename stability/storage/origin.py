@@ -61,8 +61,8 @@ def origin_of(call: str, arguments: Mapping[str, Any], keys: str = "") -> dict[s
     >>> origin_of("plot_map", {"title": "A map"})["its title"]
     '"A map"'
     """
-    own = {CALL: call, VERSION: __version__, KEYS: keys}
-    return with_arguments({n: json.dumps(text) for n, text in own.items()}, arguments)
+    record = {CALL: call, VERSION: __version__, KEYS: keys}
+    return with_arguments({n: json.dumps(text) for n, text in record.items()}, arguments)
 
 
 def with_arguments(
@@ -83,8 +83,8 @@ def _described(value: Any) -> Any:
     if hasattr(value, "data_vars"):
         attributes = {n: v for n, v in value.attrs.items() if n not in DATED}
         constants = {n: v.values for n, v in value.variables.items() if not v.ndim}
-        told = {"attributes": attributes, "constants": constants}
-        return _described(told) | {"numbers": digest_of_arrays(value.variables)}
+        summary = {"attributes": attributes, "constants": constants}
+        return _described(summary) | {"numbers": digest_of_arrays(value.variables)}
     if isinstance(value, Enum):
         return value.name
     if isinstance(value, np.ndarray) and value.size > LONGEST and value.dtype.kind != "O":
@@ -176,15 +176,17 @@ def _apart(name: str, old: str, new: str) -> tuple[str, str, str]:
     """The first entry by name that differs between two texts of JSON; else the texts."""
     if ABSENT in (old, new):
         return name, old, new
-    one, other = json.loads(old), json.loads(new)
-    if isinstance(one, str) and isinstance(other, str):  # a text that holds JSON itself
+    first, second = json.loads(old), json.loads(new)
+    if isinstance(first, str) and isinstance(second, str):  # a text that holds JSON itself
         with suppress(ValueError):
-            one, other = json.loads(one), json.loads(other)
-    if not (isinstance(one, dict) and isinstance(other, dict)):
+            first, second = json.loads(first), json.loads(second)
+    if not (isinstance(first, dict) and isinstance(second, dict)):
         return name, old, new
     pairs = {
-        n: [plain_json(side[n], allow_nan=True) if n in side else ABSENT for side in (one, other)]
-        for n in {**one, **other}
+        n: [
+            plain_json(side[n], allow_nan=True) if n in side else ABSENT for side in (first, second)
+        ]
+        for n in {**first, **second}
     }
     entry = next((n for n, (a, b) in pairs.items() if a != b), None)
     return (name, old, new) if entry is None else _apart(f"{entry} of {name}", *pairs[entry])

@@ -39,10 +39,10 @@ def path_text(path: Any) -> str:
 def place(path: Any) -> Path:
     """A path from a user's value, refused where it cannot name a file."""
     try:
-        found = Path(path)
+        target = Path(path)
     except TypeError:
         raise FileError(f"the file name is {shown(path)}; give a string or a path.") from None
-    text = str(found)
+    text = str(target)
     try:
         os.fsencode(text)
     except UnicodeEncodeError as error:
@@ -50,7 +50,7 @@ def place(path: Any) -> Path:
         raise FileError(f"{path_text(text)} is no file name; leave out {odd}.") from None
     if "\0" in text:
         raise FileError(f"{path_text(text)} is no file name; leave out NUL.")
-    return found
+    return target
 
 
 @contextmanager
@@ -71,9 +71,9 @@ def check_suffix(path: Any, endings: Sequence[str], option: str = "") -> Path:
     >>> check_suffix("map.png", PICTURES).name
     'map.png'
     """
-    found = place(path)
-    if found.suffix.lower() in endings:
-        return found
+    target = place(path)
+    if target.suffix.lower() in endings:
+        return target
     subject = f"{option} is {shown(str(path))}" if option else path_text(path)
     raise FileError(f"{subject}; the name must end in {listed(endings, 'or')}.")
 

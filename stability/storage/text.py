@@ -28,9 +28,9 @@ def strict(value: Any) -> Any:
     if isinstance(value, float):
         return float(value) if math.isfinite(value) else None
     if isinstance(value, Mapping):
-        return {str(key): strict(one) for key, one in value.items()}
+        return {str(key): strict(entry) for key, entry in value.items()}
     if isinstance(value, (list, tuple, set, frozenset)):
-        return [strict(one) for one in value]
+        return [strict(entry) for entry in value]
     if hasattr(value, "tolist"):  # of NumPy
         return strict(value.tolist())
     return str(value)
@@ -61,15 +61,15 @@ def marked(value: Any) -> Any:
     if isinstance(value, float) and not math.isfinite(value):
         return {NUMBER: str(float(value))}
     if isinstance(value, Mapping):
-        return {key: marked(one) for key, one in value.items()}
+        return {key: marked(entry) for key, entry in value.items()}
     if isinstance(value, (list, tuple)):
-        return [marked(one) for one in value]
+        return [marked(entry) for entry in value]
     return value
 
 
-def unmarked(found: dict[str, Any]) -> Any:
+def unmarked(entry: dict[str, Any]) -> Any:
     """Decode an object of `marked`; for `object_hook` of `json.loads`."""
-    return float(found[NUMBER]) if found.keys() == {NUMBER} else found
+    return float(entry[NUMBER]) if entry.keys() == {NUMBER} else entry
 
 
 def csv_text(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:

@@ -162,10 +162,10 @@ class Seals:
 
     def checked(self, name: str, content: bytes | None, *, complete: bool) -> bytes | None:
         """Content of a file of the store, or None where its chunk is not there."""
-        found = CHUNK.fullmatch(name)
-        if found is None:
+        match = CHUNK.fullmatch(name)
+        if match is None:
             return content
-        block = tuple(map(int, found[2].split(".")[1:]))[: self.axes]
+        block = tuple(map(int, match[2].split(".")[1:]))[: self.axes]
         record = self.record(block)
         if record is None and not complete:
             return None
@@ -186,8 +186,8 @@ def named(files: Iterable[str], most: int = 3) -> str:
     """Some files of a store in words: chunks by their variable and indices."""
     words = []
     for name in files:
-        found = CHUNK.fullmatch(name)
-        words.append(f"chunk {found[2][1:]} of {found[1]}" if found else name)
+        match = CHUNK.fullmatch(name)
+        words.append(f"chunk {match[2][1:]} of {match[1]}" if match else name)
     rest = len(words) - most
     return ", ".join(words[:most]) + (f" and {rest} more" if rest > 0 else "")
 
@@ -230,10 +230,10 @@ def dataset_of(seals: Seals, *, complete: bool = False) -> xarray.Dataset:
     """
     import xarray
 
-    found: xarray.Dataset = xarray.open_zarr(_checking_store(seals, complete), chunks=None)
+    dataset: xarray.Dataset = xarray.open_zarr(_checking_store(seals, complete), chunks=None)
     for name in (FILES, ITSELF):
-        found.attrs.pop(name, None)
-    return found
+        dataset.attrs.pop(name, None)
+    return dataset
 
 
 def opened_store(path: str | os.PathLike[str], *, lazy: bool = False) -> xarray.Dataset:
@@ -322,7 +322,7 @@ def asked_of(
 
     every = xarray.Dataset(coords=dict(coords)).variables
     arrays = [[v.name, v.dtype, v.fill, v.attrs, v.more] for v in variables]
-    found = {
+    texts = {
         **{f"its {name}": plain_json(value) for name, value in question.items()},
         **{f"attribute {name}": plain_json(value) for name, value in attrs.items()},
         "the number of cells": plain_json([layout.dims, layout.shape]),
@@ -331,7 +331,7 @@ def asked_of(
         "the coordinates": digest_of_arrays(every),
         "the format": plain_json([FORMAT, __version__]),
     }
-    return counted(found)
+    return counted(texts)
 
 
 def same_question(head: Mapping[str, Any], asked: Mapping[str, str]) -> bool:
@@ -498,7 +498,7 @@ class ZarrStore:
         if head is None:
             self._create(self._files(), asked)
         elif bad := damaged_files(self.folder):
-            self._told(bad, "written")
+            self._warn_damaged(bad, "written")
             files = self._files()
             for name in sorted(files, key=lambda name: name == HEAD):
                 _write(self.folder / name, files[name])
@@ -508,17 +508,17 @@ class ZarrStore:
 
     def missing(self) -> list[Block]:
         """Chunks that are not there or damaged, in row-major order; damaged ones are named."""
-        found, bad = [], []
+        blocks, bad = [], []
         for block in self.layout.blocks():
             damaged = self.writer.seals.damaged(block)
             if damaged != []:
-                found.append(block)
+                blocks.append(block)
                 bad += damaged or []
         if bad:
-            self._told(bad, "computed")
-        return found
+            self._warn_damaged(bad, "computed")
+        return blocks
 
-    def _told(self, bad: list[str], how: str) -> None:
+    def _warn_damaged(self, bad: list[str], how: str) -> None:
         """Name the damaged files, which are made again."""
         warned(f"{path_text(self.folder)}: {named(bad)} is damaged, and is {how} again.")
 
@@ -632,10 +632,10 @@ def _skeleton(
         warnings.filterwarnings("ignore", module=r"(zarr|xarray)\b")
         frame.to_zarr(memory, zarr_format=3, consolidated=False, encoding=chunks)
         group = zarr.open_group(memory, mode="r+", zarr_format=3)
-        own = [v.name for v in variables if v.coordinate]
-        if own:  # CF's way to say which arrays are coordinates
+        coordinate_names = [v.name for v in variables if v.coordinate]
+        if coordinate_names:  # CF's way to say which arrays are coordinates
             before = group.attrs.get("coordinates", "").split()
-            group.attrs["coordinates"] = " ".join([*before, *own])
+            group.attrs["coordinates"] = " ".join([*before, *coordinate_names])
         for variable in variables:
             group.create_array(
                 **_array(layout, variable, frame),
@@ -643,9 +643,9 @@ def _skeleton(
                 compressors=ZstdCodec(level=LEVEL, checksum=True),
             )
         zarr.consolidate_metadata(memory)
-    found = {name: value.to_bytes() for name, value in sorted(files.items())}
-    head = found.pop(HEAD)
-    return found | {HEAD: sealed_head(head, found)}
+    contents = {name: value.to_bytes() for name, value in sorted(files.items())}
+    head = contents.pop(HEAD)
+    return contents | {HEAD: sealed_head(head, contents)}
 
 
 def _array(layout: Layout, variable: Variable, frame: xarray.Dataset) -> dict[str, Any]:

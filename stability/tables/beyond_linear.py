@@ -28,10 +28,10 @@ BIRTH_NOTES = (
 def birth_table(family: Family, axis: tuple[Any, ...], **parameters: Any) -> Table:
     """The table of the flutter boundaries of a family along an axis."""
     with gathered() as works:
-        found = hopf(family, axis=axis, **parameters)
+        births = hopf(family, axis=axis, **parameters)
     units, aside = family.system.units, ("mode", "unit", "units", "citation")
     rows = []
-    for point in found:
+    for point in births:
         row = {k: v for k, v in vars(point).items() if k not in aside} | {"kind": point.kind.word}
         rows.append({k: None if v != v else v for k, v in row.items()})  # NaN is no JSON
     return Table(
@@ -40,16 +40,16 @@ def birth_table(family: Family, axis: tuple[Any, ...], **parameters: Any) -> Tab
         _birth_columns(axis[0], units, rows),
         rows,
         definition=BIRTHS,
-        found=(axis[0], found, units),
+        found=(axis[0], births, units),
         citation=joined(works),
     )
 
 
 def _birth_text(table: Table) -> str:
-    axis, found, units = table.found
+    axis, births, units = table.found
     unit = f" [{readable(units[axis])}]" if axis in units else ""
     lines = []
-    for point in found:
+    for point in births:
         side = "above" if point.stable_below else "below"
         grows = "unstable"
         if isinstance(point, CycleBirth) and point.unstable:
@@ -67,15 +67,15 @@ def _birth_text(table: Table) -> str:
 
 
 def point_table(
-    family: Family | str, x: tuple[Any, ...], y: tuple[Any, ...], **given: Any
+    family: Family | str, x: tuple[Any, ...], y: tuple[Any, ...], **options: Any
 ) -> Table:
     """The table of the points of codimension two of a family in a plane of two numbers."""
-    numbers, axes = dict(given), {"x": x, "y": y}
+    numbers, axes = dict(options), {"x": x, "y": y}
     disk, contact, at = (numbers.pop(name, None) for name in ("disk", "contact", "at"))
     problem, grids = swept(family, axes, disk, None, contact, at, numbers, most=MOST_LINES)
-    found = in_plane(problem, grids)  # type: ignore[arg-type]  # two axes
-    found.warn()
-    system, more = problem.family.system, point_records(found)
+    points = in_plane(problem, grids)  # type: ignore[arg-type]  # two axes
+    points.warn()
+    system, more = problem.family.system, point_records(points)
     names = [problem.family.meaning(axis.name) for axis in grids]
     return Table(
         "codimension",
@@ -85,22 +85,22 @@ def point_table(
         problem.dimensionless,
         more=more,
         definition=POINTS,
-        found=found,
-        citation=found.citation,
+        found=points,
+        citation=points.citation,
     )
 
 
-def point_records(found: CodimensionTwo) -> dict[str, Any]:
+def point_records(points: CodimensionTwo) -> dict[str, Any]:
     """Points of codimension two as a plain record, for JSON."""
     return {
-        "axes": [list(axis) for axis in found.axes],
-        "rows": [_row(p) for p in found],
-        "members": [dict(p.member) for p in found],
-        "complete": found.complete,
-        "unresolved": [b._asdict() | {"kind": b.kind.word} for b in found.unresolved],
-        "how": found.how,
-        "vanishing": found.vanishing,
-        "vanishing_complete": found.vanishing_complete,
+        "axes": [list(axis) for axis in points.axes],
+        "rows": [_row(p) for p in points],
+        "members": [dict(p.member) for p in points],
+        "complete": points.complete,
+        "unresolved": [b._asdict() | {"kind": b.kind.word} for b in points.unresolved],
+        "how": points.how,
+        "vanishing": points.vanishing,
+        "vanishing_complete": points.vanishing_complete,
     }
 
 
@@ -110,17 +110,17 @@ def _row(point: DegeneratePoint) -> dict[str, Any]:
     return row
 
 
-def point_text(name: str, found: CodimensionTwo) -> str:
+def point_text(name: str, points: CodimensionTwo) -> str:
     """Points of codimension two as lines of text."""
-    lines = point_lines(found)
-    return "\n".join([POINT_HEADING.format(name=name), "", *lines, "", f"{found.statement}."])
+    lines = point_lines(points)
+    return "\n".join([POINT_HEADING.format(name=name), "", *lines, "", f"{points.statement}."])
 
 
-def point_lines(found: CodimensionTwo) -> list[str]:
+def point_lines(points: CodimensionTwo) -> list[str]:
     """Two lines of text for each point of codimension two."""
-    (x, *_), (y, *_) = found.axes
+    (x, *_), (y, *_) = points.axes
     lines = []
-    for p in found:
+    for p in points:
         pairs = ", ".join(f"{w:.10g}" for w in p.frequencies)
         lines.append(
             f"{p.kind.word}: {x} = {to_bound(p.x, p.x_error)}, {y} = {to_bound(p.y, p.y_error)}"
@@ -202,17 +202,17 @@ def _birth_columns(
 
 
 def _point_columns(
-    axes: Sequence[str], units: Mapping[str, str], known: Mapping[str, Quantity]
+    axes: Sequence[str], units: Mapping[str, str], quantities: Mapping[str, Quantity]
 ) -> tuple[Column, ...]:
     """Columns of points of codimension two, each with the name and unit of its axis.
 
     A system of the user's own has units by name, a body quantities by name.
     """
-    rate: Any = Kind.GROWTH_RATE if known else rate_unit(units)
+    rate: Any = Kind.GROWTH_RATE if quantities else rate_unit(units)
     columns = {c.name: c for c in POINTS.columns}
     columns["frequencies"] = replace(columns["frequencies"], kind=rate)
     for place, axis in zip("xy", axes, strict=True):
-        quantity = known.get(axis)
+        quantity = quantities.get(axis)
         kind: Any = quantity.kind if quantity else units.get(axis, "1")
         letter = (quantity.latex or quantity.symbol) if quantity else symbol(axis)
         columns[place] = replace(

@@ -96,9 +96,9 @@ def scan(family: SteadyFamily, disk: Disk, contact: Contact) -> list[BoundaryPoi
     low, high = family.searched
     unit = family.unit(float(disk.rate))
     problem = disk_problem(family.name, disk, contact)
-    found = along(problem, "at", low * unit, high * unit)
-    found.warn("at")
-    return list(found)
+    changes = along(problem, "at", low * unit, high * unit)
+    changes.warn("at")
+    return list(changes)
 
 
 def _rows(family: SteadyFamily, disk: Disk, contact: Contact) -> list[dict[str, Any]]:
@@ -143,7 +143,7 @@ def _formulas(
 ) -> dict[str, Any]:
     from ..derivation.formulas import rows
 
-    return {"formulas": [asdict(one) for one in rows(laws, k, progress)]}
+    return {"formulas": [asdict(entry) for entry in rows(laws, k, progress)]}
 
 
 def _notes(table: Table) -> list[str]:
@@ -250,28 +250,28 @@ SYMBOLS = (
 """Symbols of the formulas, in LaTeX, with their meaning."""
 
 
-def formula_lines(found: Sequence[Formulas]) -> list[str]:
+def formula_lines(formulas: Sequence[Formulas]) -> list[str]:
     """The formulas as lines of text."""
     lines = ["stability conditions as formulas, dimensionless (recomputed)", ""]
-    for one in found:
-        product = "".join(f"({p})" for p in one["polynomial"])
+    for entry in formulas:
+        product = "".join(f"({p})" for p in entry["polynomial"])
         lines += [
-            f"{one['family']}, {one['contact']}",
-            f"    det(λ - A) ~ λ^{one['structural_zeros']} {product}",
+            f"{entry['family']}, {entry['contact']}",
+            f"    det(λ - A) ~ λ^{entry['structural_zeros']} {product}",
         ]
-        lines += [f"    decides: {c['kind']:<9} {c['positive']} > 0" for c in one["conditions"]]
-        for b in one["boundaries"]:
+        lines += [f"    decides: {c['kind']:<9} {c['positive']} > 0" for c in entry["conditions"]]
+        for b in entry["boundaries"]:
             lines.append(f"    {b['kind']} boundary: {b['of']} = {b['formula']}")
             lines += [f"        for {b['where']}"] if "where" in b else []
-        for limit, values in one["limits"].items():
+        for limit, values in entry["limits"].items():
             lines += [f"    as {limit}, at each member: {value} > 0" for value in values]
-        lines += [f"    {p['name']} {p['positive']} > 0: {p['proof']}" for p in one["proved"]]
-        lines += [f"    * {s}" for s in one["statements"]] + [""]
+        lines += [f"    {p['name']} {p['positive']} > 0: {p['proof']}" for p in entry["proved"]]
+        lines += [f"    * {s}" for s in entry["statements"]] + [""]
     last = "lam = λ; where M = mu*² occurs, λ = σ mu; z = at*², s = sin(theta)."
     return [*lines, last, f"The {LIMITS}.", ""]
 
 
-def formula_latex(found: Sequence[Formulas]) -> str:
+def formula_latex(formulas: Sequence[Formulas]) -> str:
     r"""The formulas as LaTeX: a table of the symbols, then a list for each family and law.
 
     Examples
@@ -294,26 +294,26 @@ def formula_latex(found: Sequence[Formulas]) -> str:
         r"\bottomrule",
         r"\end{tabular}",
     ]
-    for one in found:
-        lines += ["", *_list(one)]
+    for entry in formulas:
+        lines += ["", *_list(entry)]
     return "\n".join([*lines, "", prose(f"Dimensionless: m = R = g = 1. The {LIMITS}."), END])
 
 
-def _list(one: Formulas) -> list[str]:
+def _list(entry: Formulas) -> list[str]:
     """Formulas of one family and law as an itemised list."""
-    product = r"\,".join(f"({mathematics(p)})" for p in one["polynomial"])
+    product = r"\,".join(f"({mathematics(p)})" for p in entry["polynomial"])
     lines = [
-        rf"\paragraph{{{escaped(one['family'])}, {escaped(one['contact'])} contact}} "
-        rf"Characteristic polynomial: $\lambda^{{{one['structural_zeros']}}}$ times ${product}$.",
+        rf"\paragraph{{{escaped(entry['family'])}, {escaped(entry['contact'])} contact}} "
+        rf"Characteristic polynomial: $\lambda^{{{entry['structural_zeros']}}}$ times ${product}$.",
         r"\begin{itemize}",
     ]
-    lines += [rf"\item {c['kind']}: {_formula(c['positive'], '> 0')}" for c in one["conditions"]]
-    for b in one["boundaries"]:
+    lines += [rf"\item {c['kind']}: {_formula(c['positive'], '> 0')}" for c in entry["conditions"]]
+    for b in entry["boundaries"]:
         where = f" for {prose(b['where'])}" if "where" in b else ""
         lines.append(rf"\item {b['kind']} boundary: {_formula(b['formula'], head=b['of'])}{where}")
-    for limit, values in one["limits"].items():
+    for limit, values in entry["limits"].items():
         lines += [rf"\item ${mathematics(limit)}$: {_formula(v, '> 0')}" for v in values]
-    lines += [rf"\item {prose(s)}" for s in one["statements"]]
+    lines += [rf"\item {prose(s)}" for s in entry["statements"]]
     if not any(line.startswith(r"\item") for line in lines):
         lines.append(r"\item no condition")
     return [*lines, r"\end{itemize}"]

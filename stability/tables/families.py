@@ -83,7 +83,11 @@ def _is_closed_form(record: SteadyFamily, root: Any, symbols: Mapping[str, Any])
         [complex(formula.subs({at: value, k: inertia})) for formula in (root, closed)]
         for value, inertia in product(SAMPLES, INERTIAS)
     ]
-    real = [(one, other) for one, other in pairs if cmath.isfinite(other) and not other.imag]
+    real = [
+        (computed, stated)
+        for computed, stated in pairs
+        if cmath.isfinite(stated) and not stated.imag
+    ]
     return bool(real) and all(cmath.isclose(*pair, rel_tol=SAME) for pair in real)
 
 

@@ -56,7 +56,7 @@ def hopf_rows(
     lines = [name for name, family in FAMILIES.items() if family.flutter]
     asked = [(f, inertia, value) for f in lines for inertia in k for value in mu]
     for done, (family, inertia, value) in enumerate(asked, start=1):
-        found = hopf(family, contact=law_of(law, value), disk=replace(disk or Disk(), k=inertia))
+        onsets = hopf(family, contact=law_of(law, value), disk=replace(disk or Disk(), k=inertia))
         line = {"family": family, "k": inertia, "mu": value}
         points = [
             {
@@ -67,7 +67,7 @@ def hopf_rows(
                 "push": p.push,
                 "kind": p.kind.word,
             }
-            for p in found
+            for p in onsets
         ]
         rows += [line | point for point in points or [NONE]]
         if progress:

@@ -74,7 +74,7 @@ def _typeset(tokens: list[tuple[str, str]]) -> str:
         elif kind == "space" or word == "*":
             out += _space(tokens[max(at - 2, 0) : at - 1], tokens[at : at + 1])
         else:
-            out += _one(kind, word)
+            out += _typeset_token(kind, word)
     return breaking(out)
 
 
@@ -91,7 +91,7 @@ def _operand(tokens: list[tuple[str, str]], at: int) -> tuple[str, int]:
     if at >= len(tokens):
         return "", at
     if tokens[at][1] != "(":
-        return _one(*tokens[at]), at + 1
+        return _typeset_token(*tokens[at]), at + 1
     depth = 0
     for end in range(at, len(tokens)):
         depth += {"(": 1, ")": -1}.get(tokens[end][1], 0)
@@ -100,7 +100,7 @@ def _operand(tokens: list[tuple[str, str]], at: int) -> tuple[str, int]:
     return "", at  # no bracket that closes: the sign stands alone
 
 
-def _one(kind: str, word: str) -> str:
+def _typeset_token(kind: str, word: str) -> str:
     if kind == "arrow":
         return r"\to "
     if kind == "star":  # mu* is the dimensionless coefficient
@@ -260,5 +260,5 @@ def number(text: str) -> str:
     """
     if text == "-":
         return "--"
-    known = re.fullmatch(r"[+-]?\d*\.?\d+(e[+-]?\d+)?", text)
-    return f"${scientific(text)}$" if known else escaped(text)
+    match = re.fullmatch(r"[+-]?\d*\.?\d+(e[+-]?\d+)?", text)
+    return f"${scientific(text)}$" if match else escaped(text)

@@ -16,12 +16,12 @@ def _rows(body: Any = None, progress: Progress | None = None) -> list[dict[str, 
 
     named = bodies() if body is None else [(_name(body), body, "")]
     rows = []
-    for done, (name, one, closed) in enumerate(named, start=1):
-        found = painleve_limit(one)
-        ends = (v if math.isfinite(v) else None for v in (found.low, found.high))
+    for done, (name, outline, closed) in enumerate(named, start=1):
+        limit = painleve_limit(outline)
+        ends = (v if math.isfinite(v) else None for v in (limit.low, limit.high))
         low, high = ends
         rows.append(
-            {"body": name, "limit": low, "at_most": high, "theta": found.theta, "closed": closed}
+            {"body": name, "limit": low, "at_most": high, "theta": limit.theta, "closed": closed}
         )
         if progress is not None:
             progress(done, len(named))
@@ -57,12 +57,12 @@ def bodies() -> list[tuple[str, Any, str]]:
 
 def _name(body: Any) -> str:
     """Name of a body and its numbers, as far as it has these."""
-    given = getattr(body, "given", None)
-    if given is None:
+    numbers = getattr(body, "given", None)
+    if numbers is None:
         k = getattr(body, "k", None)
         return "disk" if k is None else f"disk, k = {k}"
     left = ("mass", "gravity", "length")
-    return ", ".join([body.name, *(f"{n} = {v}" for n, v in given.items() if n not in left)])
+    return ", ".join([body.name, *(f"{n} = {v}" for n, v in numbers.items() if n not in left)])
 
 
 def _notes(table: Table) -> list[str]:

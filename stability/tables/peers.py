@@ -53,7 +53,7 @@ CUSP = (
 )
 
 
-class Curve(NamedTuple):
+class SteadyCurve(NamedTuple):
     """Steady states along a curve in closed form."""
 
     system: System
@@ -70,40 +70,40 @@ def curve(
     members: dict[ca.SX, ca.SX],
     parameter: tuple[ca.SX, ca.SX],
     at: ca.SX,
-) -> Curve:
+) -> SteadyCurve:
     """The curve of steady states `members` of `rates`, at the parameter's value there."""
     states = [ca.SX.sym(x.name()) for x in members]
     shifted = [value + x for value, x in zip(members.values(), states, strict=True)]
     old, new = ca.vertcat(*members, parameter[0]), ca.vertcat(*shifted, parameter[1])
     moved = ca.vertsplit(ca.substitute(ca.vertcat(*rates), old, new))
-    return Curve(system_of(name, states, [at], moved), at, parameter[1])
+    return SteadyCurve(system_of(name, states, [at], moved), at, parameter[1])
 
 
-def _parameter(one: Curve, member: Value) -> Value:
+def _parameter(branch: SteadyCurve, member: Value) -> Value:
     """The parameter at a member, in balls."""
-    program = Program(ca.Function("parameter", [one.at], [one.parameter]))
+    program = Program(ca.Function("parameter", [branch.at], [branch.parameter]))
     with precision(BITS):
         [[ball]] = program.run(balls(), [[arb(*member)]])
         return float(ball), float(upper(abs(ball - arb(float(ball)))))
 
 
-def hopf_points(one: Curve, low: float, high: float) -> list[Value]:
+def hopf_points(branch: SteadyCurve, low: float, high: float) -> list[Value]:
     """The parameter where a pair crosses, with its bound, in the order of the curve."""
-    name = one.at.name()
-    changes = boundaries(at_zero(one.system, "curve", name), axis=(name, low, high, 9))
+    name = branch.at.name()
+    changes = boundaries(at_zero(branch.system, "curve", name), axis=(name, low, high, 9))
     pairs = [b for b in changes if b.crossing is Crossing.FLUTTER]
-    return [_parameter(one, (b.value, b.error)) for b in pairs]
+    return [_parameter(branch, (b.value, b.error)) for b in pairs]
 
 
-def folds(one: Curve, low: float, high: float) -> list[Value]:
+def folds(branch: SteadyCurve, low: float, high: float) -> list[Value]:
     """The parameter at each fold, with its bound: every zero of its slope along the curve."""
-    name, slope = one.at.name(), ca.jacobian(one.parameter, one.at)
-    slopes = System("slope", one.at, ca.SX(0, 1), slope, states=(name,))
+    name, slope = branch.at.name(), ca.jacobian(branch.parameter, branch.at)
+    slopes = System("slope", branch.at, ca.SX(0, 1), slope, states=(name,))
     zeros = slopes.equilibria({name: (low, high)})
     members = list(zip(zeros.states[:, 0].tolist(), zeros.errors[:, 0].tolist(), strict=True))
     for x, _ in members:
-        at_zero(one.system, "curve", name).member([x], [])  # refuses what is not steady
-    return [_parameter(one, member) for member in members]
+        at_zero(branch.system, "curve", name).member([x], [])  # refuses what is not steady
+    return [_parameter(branch, member) for member in members]
 
 
 # --- models ---
@@ -114,13 +114,15 @@ def reaction() -> list[BenchmarkRow]:
     u, w, p, m = symbols("u w p m")
     made = p * (1 - u) * ca.exp(w)
     value = m * ca.exp(-14 * m / 3) / (1 - m)
-    one = curve("reaction", [-u + made, -3 * w + 14 * made], {u: m, w: 14 * m / 3}, (p, value), m)
-    first, second = folds(one, 0.05, 0.95)
-    [pair] = hopf_points(one, 0.05, 0.95)
+    branch = curve(
+        "reaction", [-u + made, -3 * w + 14 * made], {u: m, w: 14 * m / 3}, (p, value), m
+    )
+    first, second = folds(branch, 0.05, 0.95)
+    [pair] = hopf_points(branch, 0.05, 0.95)
     values = (("first fold", ".1057390"), ("second fold", ".08893185"), ("Hopf point", ".1308998"))
     return [
-        printed_row(REACTION, f"p at the {what}", known, value)
-        for (what, known), value in zip(values, (first, second, pair), strict=True)
+        printed_row(REACTION, f"p at the {what}", reference, value)
+        for (what, reference), value in zip(values, (first, second, pair), strict=True)
     ]
 
 
@@ -163,11 +165,11 @@ def oxidation() -> list[BenchmarkRow]:
     high = 1 - low - free - slow
     value = (high / 10 + 10 * low * high) / free
     rates = [*fast, 27 * (z - 2 * s / 5) / 400]
-    one = curve("oxidation", rates, {x: low, y: high, s: slow}, (q, value), r)
-    second, first = hopf_points(one, 1.0, 20.0)
+    branch = curve("oxidation", rates, {x: low, y: high, s: slow}, (q, value), r)
+    second, first = hopf_points(branch, 1.0, 20.0)
     rows = [
-        printed_row(OXIDATION, "q2 at a Hopf point, k = 0.4", known, value)
-        for known, value in (("1.05158367", first), ("1.04099606", second))
+        printed_row(OXIDATION, "q2 at a Hopf point, k = 0.4", reference, value)
+        for reference, value in (("1.05158367", first), ("1.04099606", second))
     ]
     system = system_of("oxidation", states, [q, k], [*fast, 27 * (z - k * s) / 400])
     guess = {"x": 0.001137, "y": 0.891483, "s": 0.062345, "q": 1.0, "k": 0.4}
@@ -198,14 +200,16 @@ def winds() -> list[BenchmarkRow]:
         x * y + x * z - z,
         -1.04 * u + 0.987 * u * x + 0.04,
     ]
-    one = curve("Lorenz-84", rates, {x: X, y: Y, z: Z, u: U}, (F, value), X)
-    [fold] = folds(one, 1.1, 2.0)
+    branch = curve("Lorenz-84", rates, {x: X, y: Y, z: Z, u: U}, (F, value), X)
+    [fold] = folds(branch, 1.1, 2.0)
     ends = ("1.546648372620807", "1.5466483727182652")
     inside = float(ends[0]) < fold[0] - fold[1] and fold[0] + fold[1] < float(ends[1])
     status = f"{'agrees: inside' if inside else 'differs: outside'} the printed bracket"
     return [
-        printed_row(WINDS, f"F at the fold, {end} end of its bracket", known, fold, status=status)
-        for end, known in zip(("lower", "upper"), ends, strict=True)
+        printed_row(
+            WINDS, f"F at the fold, {end} end of its bracket", reference, fold, status=status
+        )
+        for end, reference in zip(("lower", "upper"), ends, strict=True)
     ]
 
 
@@ -217,21 +221,21 @@ def bazykin() -> list[BenchmarkRow]:
     family = system.steady("a", guess={"x": 2.0, "y": 2.0, "a": 0.5})
     points = boundaries(family, axis=("a", 0.005, 0.985, 9))
     return [
-        printed_row(BAZYKIN, "a at a Hopf point", known, (point.value, point.error))
-        for known, point in zip((".01020625", ".9797938"), points, strict=True)
+        printed_row(BAZYKIN, "a at a Hopf point", reference, (point.value, point.error))
+        for reference, point in zip((".01020625", ".9797938"), points, strict=True)
     ]
 
 
 def skate() -> list[BenchmarkRow]:
     """Row of the skate: the speed above which weave is stable."""
-    given: dict[str, Any] = dict.fromkeys(BENCHMARK, 0.0) | {
+    numbers: dict[str, Any] = dict.fromkeys(BENCHMARK, 0.0) | {
         "w": 1.0,
         "lam": 0.0872664626,
         "g": 9.81,
     }
-    given |= {"xB": 1.2, "zB": -0.4, "mB": 10.0, "xH": 1.02, "zH": -0.2, "mH": 1.0}
-    given |= {"rR": 0.1, "rF": 0.1}  # no inertia spins: of no effect
-    [weave] = boundaries(bicycle(), axis=("v", 1.0, 5.0, 9), **given)
+    numbers |= {"xB": 1.2, "zB": -0.4, "mB": 10.0, "xH": 1.02, "zH": -0.2, "mH": 1.0}
+    numbers |= {"rR": 0.1, "rF": 0.1}  # no inertia spins: of no effect
+    [weave] = boundaries(bicycle(), axis=("v", 1.0, 5.0, 9), **numbers)
     value = (weave.value, weave.error)
     return [printed_row(SKATE, "speed of weave", "2.841008324", value, unit="m/s")]
 

@@ -37,7 +37,7 @@ Value = tuple[float, float]
 def printed_row(
     about: Source,
     quantity: str,
-    known: str,
+    reference: str,
     value: tuple[float, float | None] | None,
     *,
     unit: str = "",
@@ -46,7 +46,7 @@ def printed_row(
 ) -> BenchmarkRow:
     """A row from a printed value and the package's; `note` says why these differ, or none is."""
     number, error = value or (None, None)
-    row = compared(about, quantity, known, number, unit=unit, reason=note)
+    row = compared(about, quantity, reference, number, unit=unit, reason=note)
     bound = None if number is None or error is None else as_printed(error, number, "{:.16g}")
     said = status or row.status
     if value is not None and not status and row.status != AGREES:

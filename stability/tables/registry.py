@@ -57,10 +57,10 @@ def definition(name: str) -> Definition:
             "project and of its documentation."
         )
     if name not in PLACES:
-        known = ", ".join((*PLACES, "codimension"))
-        raise NameUnknownError(f"table is {shown(name)}; known are {known}.")
-    found: Definition = found_at(f"{PLACES[name]}:TABLE")
-    return found
+        names = ", ".join((*PLACES, "codimension"))
+        raise NameUnknownError(f"table is {shown(name)}; known are {names}.")
+    entry: Definition = found_at(f"{PLACES[name]}:TABLE")
+    return entry
 
 
 def found_at(place: str) -> Any:
@@ -157,7 +157,7 @@ def table(
     >>> print(st.table("drift", k=0.25, mu=1, tilt=0.01).to_latex().splitlines()[-1])
     \par\endgroup
     """
-    given = {
+    arguments = {
         "k": k,
         "mu": mu,
         "contact": contact,
@@ -167,21 +167,21 @@ def table(
         "at": at,
         "systems": systems,
     }
-    given = {n: v for n, v in given.items() if v is not None}
+    arguments = {n: v for n, v in arguments.items() if v is not None}
     axes = {n: v for n, v in (("x", x), ("y", y)) if v is not None}
     exact: dict[str, Any] = {"positive": tuple(positive)} if positive else {}
     exact |= {"decimals": True} if decimals else {}
     if family is not None or name == "codimension":
-        return _of_family(name, family, given, axes, exact, parameters)
+        return _of_family(name, family, arguments, axes, exact, parameters)
     chosen = definition(name)
     for key in (*axes, *exact, *parameters):
         raise ParameterError(
             f"{key} belongs to `table` with a family of your own (--system); leave it out."
         )
-    for key in given:
+    for key in arguments:
         if key not in chosen.takes:
             raise ParameterError(f"{key} belongs to {_takers(key)} only; leave it out.")
-    options = _checked(name, given)
+    options = _checked(name, arguments)
     if "progress" in chosen.takes:
         options["progress"] = progress
     scaled = options.get("disk")
@@ -209,9 +209,9 @@ def _takers(key: str) -> str:
     return listed([f"`table {names[0][1:]}", *names[1:]]) if names else "other tables"
 
 
-def _checked(name: str, given: Mapping[str, Any]) -> dict[str, Any]:
+def _checked(name: str, arguments: Mapping[str, Any]) -> dict[str, Any]:
     """Options of a table of the disk as arguments of the function of its rows."""
-    options: dict[str, Any] = dict(given)
+    options: dict[str, Any] = dict(arguments)
     for key in LISTS:
         if key in options:
             options[key] = [float(v) for v in np.atleast_1d(options[key])]
@@ -232,7 +232,7 @@ def _checked(name: str, given: Mapping[str, Any]) -> dict[str, Any]:
 def _of_family(
     name: str,
     family: Family | str | None,
-    given: Mapping[str, Any],
+    arguments: Mapping[str, Any],
     axes: Mapping[str, Any],
     exact: Mapping[str, Any],
     parameters: Mapping[str, Any],
@@ -252,7 +252,7 @@ def _of_family(
         )
     if exact and name != "conditions":
         raise ParameterError(f"{next(iter(exact))} belongs to `table conditions`; leave it out.")
-    numbers = {**given, **parameters}
+    numbers = {**arguments, **parameters}
     if not isinstance(family, Family):
         if name != "codimension":
             raise ParameterError(
@@ -261,7 +261,7 @@ def _of_family(
             )
         numbers = _of_disk(numbers, [axis[0] for axis in axes.values()])
     else:
-        for key in given:
+        for key in arguments:
             if key not in (*family.at, *family.parameters):
                 raise ParameterError(
                     f"{key} belongs to the disk; with a family of your own leave it out."
@@ -270,9 +270,9 @@ def _of_family(
     return made
 
 
-def _of_disk(given: Mapping[str, Any], swept: Sequence[str]) -> dict[str, Any]:
+def _of_disk(arguments: Mapping[str, Any], swept: Sequence[str]) -> dict[str, Any]:
     """Arguments of a disk's family, one number each."""
-    numbers = {"contact": "viscous", **given}
+    numbers = {"contact": "viscous", **arguments}
     for key in numbers:
         if key not in OF_POINTS:
             raise ParameterError(f"{key} is no option of `table codimension`; leave it out.")
@@ -308,19 +308,19 @@ def every_table() -> list[dict[str, str]]:
 
     every = {name: definition(name) for name in PLACES if name != "list"} | {"codimension": POINTS}
     rows = []
-    for name, one in every.items():
-        if one.about is None:
+    for name, entry in every.items():
+        if entry.about is None:
             raise StabilityError(f"the table {name} has no source; give its Definition `about`.")
-        shows = one.heading.format(name="a family").removesuffix(" (recomputed)")
+        shows = entry.heading.format(name="a family").removesuffix(" (recomputed)")
         rows.append(
             {
                 "name": name,
                 "shows": shows,
-                "source": one.about.source,
-                "published": one.about.published,
-                "recomputed": one.about.recomputed,
-                "difference": one.about.difference,
-                "status": str(one.about.standing.value),
+                "source": entry.about.source,
+                "published": entry.about.published,
+                "recomputed": entry.about.recomputed,
+                "difference": entry.about.difference,
+                "status": str(entry.about.standing.value),
             }
         )
     return rows

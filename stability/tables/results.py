@@ -69,12 +69,12 @@ def spectrum_table(spectrum: Any, subject: str) -> Table:
     )
 
 
-def boundaries_table(found: Any, subject: str, axis: str, kinds: Mapping[str, Any]) -> Table:
+def boundaries_table(points: Any, subject: str, axis: str, kinds: Mapping[str, Any]) -> Table:
     """Boundaries along an axis, a row for each.
 
     Parameters
     ----------
-    found
+    points
         The `Boundaries`, or every crossing.
     subject
         What they are of, for the heading.
@@ -83,12 +83,12 @@ def boundaries_table(found: Any, subject: str, axis: str, kinds: Mapping[str, An
     kinds
         The quantities of a body by name; none of a user's system.
     """
-    known = kinds.get(axis)
-    unit: Kind | str = known.kind if known else found.unit
-    rate: Kind | str = Kind.GROWTH_RATE if kinds else found.rate_unit
-    letter = (known.latex or known.symbol) if known else symbol(axis)
+    quantity = kinds.get(axis)
+    unit: Kind | str = quantity.kind if quantity else points.unit
+    rate: Kind | str = Kind.GROWTH_RATE if kinds else points.rate_unit
+    letter = (quantity.latex or quantity.symbol) if quantity else symbol(axis)
     form = "{:.15g}"
-    every = isinstance(found, Crossings)
+    every = isinstance(points, Crossings)
     sides = (
         (
             Column("below", "unstable eigenvalues below", latex="n_{<}"),
@@ -101,25 +101,25 @@ def boundaries_table(found: Any, subject: str, axis: str, kinds: Mapping[str, An
         )
     )
     columns = (
-        Column("value", known.long_name if known else "the axis", unit, letter, form),
+        Column("value", quantity.long_name if quantity else "the axis", unit, letter, form),
         Column("error", "proved bound", unit, r"\pm", "{:.0e}", of=("value", form)),
         word("crossing", "what crosses the imaginary axis"),
         *sides,
         Column("frequency", "angular frequency there", rate, r"\omega", "{:.12g}"),
     )
     names = [c.name for c in columns[:-1]]
-    rows = [dict(zip(names, row, strict=False)) for row in found.flat()[1]]
-    for row, b in zip(rows, found, strict=True):
+    rows = [dict(zip(names, row, strict=False)) for row in points.flat()[1]]
+    for row, b in zip(rows, points, strict=True):
         row["frequency"] = b.frequencies or (None if every else b.frequency or None)
     heading = _heading(subject)
-    if found.constant:
-        heading += f": no {found.one}, {found.constant} throughout"
+    if points.constant:
+        heading += f": no {points.one}, {points.constant} throughout"
     return Table(
         "boundaries",
         heading,
         columns,
         rows,
-        any("√" in u for u in (found.unit, found.rate_unit)),
+        any("√" in u for u in (points.unit, points.rate_unit)),
         definition=BOUNDARIES,
-        citation=found.citation,
+        citation=points.citation,
     )

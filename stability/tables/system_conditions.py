@@ -59,59 +59,59 @@ def _text(poly: Polynomial, size: int = 0) -> str:
     return joined if size == 1 else f"≈ {joined}"
 
 
-def lines(found: Conditions) -> list[str]:
+def lines(conditions: Conditions) -> list[str]:
     """Conditions as lines of text."""
-    out = [_heading(found), ""]
-    out += [f"    {v.name}: {v.meaning}{_unit(found, v.name)}" for v in found.variables]
-    if found.given:
-        out += [f"    given: {_place(found, found.given)}"]
-    if found.domain:
-        out += [f"    assumed: {', '.join(found.domain)}"]
-    out += [f"    {name} = {value}" for name, value in found.solved]
-    out += [f"    {_text(p)} = 0, which {name} obeys" for name, p in found.relations]
-    out += [f"    {_text(p)} is not 0" for p in found.nonzero]
-    power, count = f"λ^{found.zeros} times " * bool(found.zeros), len(found.factors)
+    out = [_heading(conditions), ""]
+    out += [f"    {v.name}: {v.meaning}{_unit(conditions, v.name)}" for v in conditions.variables]
+    if conditions.given:
+        out += [f"    given: {_place(conditions, conditions.given)}"]
+    if conditions.domain:
+        out += [f"    assumed: {', '.join(conditions.domain)}"]
+    out += [f"    {name} = {value}" for name, value in conditions.solved]
+    out += [f"    {_text(p)} = 0, which {name} obeys" for name, p in conditions.relations]
+    out += [f"    {_text(p)} is not 0" for p in conditions.nonzero]
+    power, count = f"λ^{conditions.zeros} times " * bool(conditions.zeros), len(conditions.factors)
     out += ["", f"    det(λ - A) ~ {power}{count} factor{'s' * (count != 1)}:"]
-    for factor in found.factors:
+    for factor in conditions.factors:
         power = f" (to the power {factor.multiplicity})" if factor.multiplicity > 1 else ""
         out += [f"      of degree {factor.degree} in λ{power}"]
         size = _size(*factor.coefficients)
         out += [
             f"        λ^{k}: {_text(c, size)}" for k, c in enumerate(factor.coefficients) if c.terms
         ]
-    out += ["", *_condition_lines(found)]
-    out += [f"    left out: {sentence}" for sentence in found.left_out]
-    out += ["", f"    {_rule(found)}", ""]
-    if any(_size(p) > 1 for p in _polynomials(found)):
+    out += ["", *_condition_lines(conditions)]
+    out += [f"    left out: {sentence}" for sentence in conditions.left_out]
+    out += ["", f"    {_rule(conditions)}", ""]
+    if any(_size(p) > 1 for p in _polynomials(conditions)):
         out += [ROUNDED]
-    out += [found.numbers] if found.numbers else []
-    return [*out, f"Degree {found.degree} in λ, at most {found.terms} terms."]
+    out += [conditions.numbers] if conditions.numbers else []
+    return [*out, f"Degree {conditions.degree} in λ, at most {conditions.terms} terms."]
 
 
-def _condition_lines(found: Conditions) -> list[str]:
+def _condition_lines(conditions: Conditions) -> list[str]:
     """Each condition with its proof and witnesses, then the boundaries."""
     out = []
-    names = _labels(found)
-    for c in found.conditions:
+    names = _labels(conditions)
+    for c in conditions.conditions:
         mark = f"{names[id(c)]} decides" if c.decides else "holds"
         poly = c.polynomial if c.decides or c.status == "follows" else c.whole
         out += [f"    {mark}: {c.kind:<9} {_text(poly)} > 0"]
         out += [f"        {c.name} of factor {c.factor + 1}, {c.status}: {c.proof or 'as it is'}"]
         for w in c.witnesses:
-            free = {n: v for n, v in w.point.items() if n not in found.given}
+            free = {n: v for n, v in w.point.items() if n not in conditions.given}
             sign = "positive" if w.sign > 0 else "negative"
-            out += [f"        {sign} at {_place(found, free)}"]
-    return out + [f"    {b.kind} boundary: {names[id(b)]} = 0" for b in found.boundaries]
+            out += [f"        {sign} at {_place(conditions, free)}"]
+    return out + [f"    {b.kind} boundary: {names[id(b)]} = 0" for b in conditions.boundaries]
 
 
-def _labels(found: Conditions) -> dict[int, str]:
+def _labels(conditions: Conditions) -> dict[int, str]:
     """C1, C2, … for the conditions that decide, by identity."""
-    return {id(c): f"C{i}" for i, c in enumerate(found.deciding, start=1)}
+    return {id(c): f"C{i}" for i, c in enumerate(conditions.deciding, start=1)}
 
 
-def _place(found: Conditions, point: Mapping[str, Fraction]) -> str:
+def _place(conditions: Conditions, point: Mapping[str, Fraction]) -> str:
     """Numbers with their names and units; ≈ stands before a decimal next to a double."""
-    return ", ".join(f"{n} {_number(v)}{_unit(found, n, ' {}')}" for n, v in point.items())
+    return ", ".join(f"{n} {_number(v)}{_unit(conditions, n, ' {}')}" for n, v in point.items())
 
 
 def _number(value: Fraction) -> str:
@@ -119,59 +119,59 @@ def _number(value: Fraction) -> str:
     return f"= {written(value)}" if near in (None, value) else f"≈ {float(value)!r}"
 
 
-def _unit(found: Conditions, name: str, form: str = " [{}]") -> str:
+def _unit(conditions: Conditions, name: str, form: str = " [{}]") -> str:
     """The unit of a parameter or state, where the user gave one."""
-    unit = found.family.system.units.get(name, "1")
+    unit = conditions.family.system.units.get(name, "1")
     return "" if unit == "1" else form.format(readable(unit))
 
 
-def _unit_latex(found: Conditions, name: str, form: str = " [{}]") -> str:
+def _unit_latex(conditions: Conditions, name: str, form: str = " [{}]") -> str:
     """The same in LaTeX."""
-    word = found.family.system.units.get(name, "1")
+    word = conditions.family.system.units.get(name, "1")
     return "" if word == "1" else form.format(unit_in_latex(word))
 
 
-def _rule(found: Conditions, *, labels: bool = False) -> str:
+def _rule(conditions: Conditions, *, labels: bool = False) -> str:
     """The verdict in a sentence, with labels where the polynomials are long."""
-    names = _labels(found)
-    text = found.rule
+    names = _labels(conditions)
+    text = conditions.rule
     long = labels or len(text) > MOST_OF_RULE
-    for c in found.deciding:
+    for c in conditions.deciding:
         short = names[id(c)] if long or _size(c.polynomial) > 1 else _text(c.polynomial)
         text = text.replace(f"{c.polynomial} > 0", f"{short} > 0")
     return text
 
 
-def _polynomials(found: Conditions) -> list[Polynomial]:
-    inside = [c for f in found.factors for c in f.coefficients]
-    return [*inside, *(c.polynomial for c in found.conditions)]
+def _polynomials(conditions: Conditions) -> list[Polynomial]:
+    inside = [c for f in conditions.factors for c in f.coefficients]
+    return [*inside, *(c.polynomial for c in conditions.conditions)]
 
 
-def record(found: Conditions) -> dict[str, Any]:
+def record(conditions: Conditions) -> dict[str, Any]:
     """Conditions as a record for JSON; polynomials are exact texts."""
-    units = found.family.system.units
-    names = (*(v.name for v in found.variables), *found.given)
+    units = conditions.family.system.units
+    names = (*(v.name for v in conditions.variables), *conditions.given)
     return {
-        "system": found.family.system.name,
-        "family": found.family.name,
-        "given": {n: str(v) for n, v in found.given.items()},
-        "numbers": found.numbers,
+        "system": conditions.family.system.name,
+        "family": conditions.family.name,
+        "given": {n: str(v) for n, v in conditions.given.items()},
+        "numbers": conditions.numbers,
         "units": {n: units[n] for n in names if n in units},
         "variables": [
-            {"name": v.name, "kind": v.kind, "meaning": v.meaning} for v in found.variables
+            {"name": v.name, "kind": v.kind, "meaning": v.meaning} for v in conditions.variables
         ],
-        "domain": list(found.domain),
-        "relations": [{"variable": n, "zero": str(p)} for n, p in found.relations],
-        "solved": dict(found.solved),
-        "nonzero": [str(p) for p in found.nonzero],
-        "structural_zeros": found.zeros,
+        "domain": list(conditions.domain),
+        "relations": [{"variable": n, "zero": str(p)} for n, p in conditions.relations],
+        "solved": dict(conditions.solved),
+        "nonzero": [str(p) for p in conditions.nonzero],
+        "structural_zeros": conditions.zeros,
         "factors": [
             {
                 "coefficients": [str(c) for c in f.coefficients],
                 "even": f.even,
                 "multiplicity": f.multiplicity,
             }
-            for f in found.factors
+            for f in conditions.factors
         ],
         "conditions": [
             {
@@ -188,13 +188,13 @@ def record(found: Conditions) -> dict[str, Any]:
                     for w in c.witnesses
                 ],
             }
-            for c in found.conditions
+            for c in conditions.conditions
         ],
-        "boundaries": [{"kind": b.kind, "zero": str(b.polynomial)} for b in found.boundaries],
-        "rule": found.rule,
-        "left_out": list(found.left_out),
-        "degree": found.degree,
-        "terms": found.terms,
+        "boundaries": [{"kind": b.kind, "zero": str(b.polynomial)} for b in conditions.boundaries],
+        "rule": conditions.rule,
+        "left_out": list(conditions.left_out),
+        "degree": conditions.degree,
+        "terms": conditions.terms,
     }
 
 
@@ -216,9 +216,9 @@ def _formula(poly: Polynomial, relation: str, label: str = "") -> str:
     )
 
 
-def latex(found: Conditions) -> str:
+def latex(conditions: Conditions) -> str:
     """Conditions as LaTeX; needs amsmath and booktabs."""
-    family = found.family
+    family = conditions.family
     out = [
         "% stability table conditions --system: derived from the equations of motion",
         "% needs amsmath and booktabs",
@@ -231,39 +231,42 @@ def latex(found: Conditions) -> str:
         r"  \midrule",
     ]
     out += [
-        rf"  ${symbol(v.name)}$ & {escaped(v.meaning)}{_unit_latex(found, v.name)} \\"
-        for v in found.variables
+        rf"  ${symbol(v.name)}$ & {escaped(v.meaning)}{_unit_latex(conditions, v.name)} \\"
+        for v in conditions.variables
     ]
     out += [r"  $\lambda$ & eigenvalue \\", r"  \bottomrule", r"\end{tabular}", ""]
-    out += _latex_assumptions(found)
-    for name, poly in found.relations:
+    out += _latex_assumptions(conditions)
+    for name, poly in conditions.relations:
         out += [f"Equation of ${symbol(name)}$:", _formula(poly, "= 0")]
-    count = len(found.factors)
+    count = len(conditions.factors)
     number = f"{count} factor{'s' * (count != 1)}"
-    if found.zeros:
-        number = f"the factor $\\lambda^{{{found.zeros}}}$ and {count} more"
+    if conditions.zeros:
+        number = f"the factor $\\lambda^{{{conditions.zeros}}}$ and {count} more"
     out += [f"The characteristic polynomial has {number}."]
-    for i, c in enumerate(found.deciding, start=1):
+    for i, c in enumerate(conditions.deciding, start=1):
         out += [f"{c.kind.capitalize()} condition ({escaped(c.name)}):"]
         out += [_formula(c.polynomial, "> 0", f"\\tag{{C{i}}}")]
-    out += [escaped(_rule(found, labels=True))]
-    if any(_size(c.polynomial) > 1 for c in found.deciding):
+    out += [escaped(_rule(conditions, labels=True))]
+    if any(_size(c.polynomial) > 1 for c in conditions.deciding):
         out += [rf"Where $\approx$ is written, coefficients are rounded to {DIGITS} digits."]
-    out += [escaped(sentence) for sentence in (*found.left_out, *filter(None, [found.numbers]))]
+    out += [
+        escaped(sentence)
+        for sentence in (*conditions.left_out, *filter(None, [conditions.numbers]))
+    ]
     return "\n".join([*out, END])
 
 
-def _latex_assumptions(found: Conditions) -> list[str]:
+def _latex_assumptions(conditions: Conditions) -> list[str]:
     """Given numbers, assumptions and closed forms, each as one sentence."""
-    names = [v.name for v in found.variables] + [n for n, _ in found.solved]
-    given = [
-        rf"${symbol(n)} {_number(v)}$".replace("≈", r"\approx") + _unit_latex(found, n, " {}")
-        for n, v in found.given.items()
+    names = [v.name for v in conditions.variables] + [n for n, _ in conditions.solved]
+    numbers = [
+        rf"${symbol(n)} {_number(v)}$".replace("≈", r"\approx") + _unit_latex(conditions, n, " {}")
+        for n, v in conditions.given.items()
     ]
-    assumed = [f"${converted(text, names)}$" for text in found.domain]
-    solved = [f"${symbol(n)} = {converted(value, names)}$" for n, value in found.solved]
-    apart = [rf"${converted(_text(p), names)} \neq 0$" for p in found.nonzero]
-    parts = (("Given", given), ("Assumed", assumed + apart), ("With", solved))
+    assumed = [f"${converted(text, names)}$" for text in conditions.domain]
+    solved = [f"${symbol(n)} = {converted(value, names)}$" for n, value in conditions.solved]
+    apart = [rf"${converted(_text(p), names)} \neq 0$" for p in conditions.nonzero]
+    parts = (("Given", numbers), ("Assumed", assumed + apart), ("With", solved))
     return [f"{word}: {', '.join(texts)}." for word, texts in parts if texts]
 
 
@@ -274,8 +277,8 @@ def condition_table(family: Family, **options: Any) -> Table:
     """The table of the exact conditions of a family; options are those of `conditions`."""
     from ..derivation.conditions import conditions
 
-    found = conditions(family, **options)
-    names = _labels(found)
+    derived = conditions(family, **options)
+    names = _labels(derived)
     rows = [
         {
             "label": names.get(id(c)),
@@ -287,22 +290,22 @@ def condition_table(family: Family, **options: Any) -> Table:
             "positive": str(c.polynomial),
             "proof": c.proof,
         }
-        for c in found.conditions
+        for c in derived.conditions
     ]
     return Table(
         "conditions",
-        _heading(found),
+        _heading(derived),
         TABLE.columns,
         rows,
-        more=record(found),
+        more=record(derived),
         definition=TABLE,
-        found=found,
-        citation=found.citation,
+        found=derived,
+        citation=derived.citation,
     )
 
 
-def _heading(found: Conditions) -> str:
-    family = found.family
+def _heading(conditions: Conditions) -> str:
+    family = conditions.family
     return f"{family.system.name}, {family.name}: exact conditions of stability (derived)"
 
 

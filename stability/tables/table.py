@@ -66,8 +66,8 @@ class Column(Record):
         """The unit of the value in a row; empty where there is none."""
         if isinstance(self.kind, (Kind, str)):
             return self.unit(dimensionless=dimensionless)
-        found = self.quantities([row])
-        return "".join(q.kind.label(dimensionless=dimensionless) for q in found.values())
+        quantities = self.quantities([row])
+        return "".join(q.kind.label(dimensionless=dimensionless) for q in quantities.values())
 
     def quantities(self, rows: Iterable[Mapping[str, Any]]) -> dict[str, Quantity]:
         """Where the quantity differs by row: the one that each word names, if it has a value."""
@@ -486,8 +486,8 @@ class Definition:
 
 def _at_home(home: str) -> Definition:
     module, _, name = home.partition(":")
-    found: Definition = getattr(import_module(module), name)
-    return found
+    definition: Definition = getattr(import_module(module), name)
+    return definition
 
 
 @dataclass(frozen=True, eq=False)

@@ -76,10 +76,10 @@ def _relative_spin() -> list[BenchmarkRow]:
     theta = math.pi / 2 - math.radians(LEAN)
     at = [theta, PRECESSION * float(DISK.time)]
     state = disk_family("circling", "rough").member(at, [float(DISK.k)])
-    found = state[3] * DISK.rate - PRECESSION * math.cos(theta)
+    spin = state[3] * DISK.rate - PRECESSION * math.cos(theta)
     what = f"relative spin, no slip, lean {LEAN}°, precession {PRECESSION} rad/s"
     about = Source("disk of 0.5 m, no slip", REPORT, QUOTED)
-    return [compared(about, what, SPIN, float(found), unit="rad/s")]
+    return [compared(about, what, SPIN, float(spin), unit="rad/s")]
 
 
 def _change(
@@ -87,14 +87,14 @@ def _change(
 ) -> list[BenchmarkRow]:
     with precision(BITS):
         rate = (arb(DISK.gravity) / arb(DISK.radius)).sqrt()
-        known = _digits(square(arb(DISK.k)).sqrt() * rate)
+        reference = _digits(square(arb(DISK.k)).sqrt() * rate)
         near = float(square(arb(DISK.k)).sqrt())
     values: dict[str, Any] = {"k": float(DISK.k)} | ({"mu": MU} if law == "viscous" else {})
-    found = threshold(disk_family(family, law), near / 2, 2 * near, **values)
+    change = threshold(disk_family(family, law), near / 2, 2 * near, **values)
     quantity = {"rolling": "omega3", "spinning": "phi_dot"}[family]
     about = Source(f"{family} of the disk of 0.5 m", LINEAR)
     what = f"{quantity} of {family}, {law}: the root of {formula}"
-    return [at_threshold(about, what, known, found, unit="rad/s", scale=float(DISK.rate))]
+    return [at_threshold(about, what, reference, change, unit="rad/s", scale=float(DISK.rate))]
 
 
 def _circling() -> list[BenchmarkRow]:
@@ -102,14 +102,14 @@ def _circling() -> list[BenchmarkRow]:
     with precision(BITS):
         rate = (arb(DISK.gravity) / arb(DISK.radius)).sqrt()
         both = edges(float(DISK.k), arb(LEAN) * arb.pi() / 180)
-        known = [_digits(edge * rate) for edge in both]
+        references = [_digits(edge * rate) for edge in both]
         ends = [float(edge) * float(rate) for edge in both]
     theta = math.pi / 2 - math.radians(LEAN)
     axis = ("phi_dot", ends[0] / 2, 2 * ends[1], 9)
-    found = boundaries("circling", axis=axis, at=theta, disk=DISK, contact=Rough())
+    changes = boundaries("circling", axis=axis, at=theta, disk=DISK, contact=Rough())
     about = Source("circling of the disk of 0.5 m, no slip", LINEAR)
     rows = []
-    for word, value, point in zip(("lower", "upper"), known, found, strict=True):
+    for word, value, point in zip(("lower", "upper"), references, changes, strict=True):
         sides = [_verdict(theta, point.value * (1 + side)) for side in (-SIDE, SIDE)]
         change = Threshold(point.value, point.frequency, (sides[0], sides[1]), "")
         quantity = f"{word} end of the precessions that are unstable, lean {LEAN}°"
@@ -118,8 +118,8 @@ def _circling() -> list[BenchmarkRow]:
 
 
 def _verdict(theta: float, precession: float) -> str:
-    found = spectrum("circling", at=(theta, precession), disk=DISK, contact=Rough(), certify=True)
-    return str((found.verdict if found.certified else Verdict.UNDECIDED).word)
+    result = spectrum("circling", at=(theta, precession), disk=DISK, contact=Rough(), certify=True)
+    return str((result.verdict if result.certified else Verdict.UNDECIDED).word)
 
 
 def edges(k: float, lean: arb) -> tuple[arb, arb]:
@@ -148,10 +148,10 @@ def edges(k: float, lean: arb) -> tuple[arb, arb]:
     [0.117770189136, 0.882831191459]
     """
     i, s, c = arb(k), lean.cos(), lean.sin()
-    two = (i + 1) * s**2 * ((2 * i + 1) * s**2 + 2 * i * c**2)
-    one, zero = (2 * i + 1) * s * (2 * c**2 - 1), 2 * c**2
-    root = (one**2 - 4 * two * zero).sqrt()
-    lower, upper = (-one - root) / (2 * two), (-one + root) / (2 * two)
+    quadratic = (i + 1) * s**2 * ((2 * i + 1) * s**2 + 2 * i * c**2)
+    linear, constant = (2 * i + 1) * s * (2 * c**2 - 1), 2 * c**2
+    root = (linear**2 - 4 * quadratic * constant).sqrt()
+    lower, upper = (-linear - root) / (2 * quadratic), (-linear + root) / (2 * quadratic)
     return lower.sqrt(), upper.sqrt()
 
 

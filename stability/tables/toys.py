@@ -40,11 +40,11 @@ def balls() -> list[BenchmarkRow]:
     """Rows of the hurricane balls: the rate at which one lifts, and the inclination of a rate."""
     rate = _tumbling_rate(math.pi / 2) * math.sqrt(9.81 / 0.008) / (2 * math.pi)
     inclined = math.sin(math.radians(LEAN))
-    known = 0.4 - 1 / _tumbling_rate(math.pi / 2 + math.radians(LEAN)) ** 2
+    cosine = 0.4 - 1 / _tumbling_rate(math.pi / 2 + math.radians(LEAN)) ** 2
     what = f"its cos θ at the rate of tumbling {LEAN}° from the level"
     return [
         printed_row(RATE, "rate above which one ball lifts", "9", (rate, None), unit="Hz"),
-        printed_row(INCLINATION, what, f"{known:.14f}", (inclined, None)),
+        printed_row(INCLINATION, what, f"{cosine:.14f}", (inclined, None)),
     ]
 
 

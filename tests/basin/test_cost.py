@@ -27,14 +27,14 @@ def plan_of(scene: dict[str, Any], horizon: float = 60.0) -> Plan:
 def made(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[float]]:
     """The steps of whole batches so far: a clock that is the same on every machine."""
     spent = [0.0]
-    plain = lanes._Run._propagate
+    plain = lanes._LaneRun._propagate
 
     def counted(self: Any, *arguments: Any) -> Any:
         found = plain(self, *arguments)
         spent[0] += max(steps for *_, steps in found)
         return found
 
-    monkeypatch.setattr(lanes._Run, "_propagate", counted)
+    monkeypatch.setattr(lanes._LaneRun, "_propagate", counted)
     yield spent
 
 

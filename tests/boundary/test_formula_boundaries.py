@@ -91,12 +91,12 @@ def test_pieces_proved_in_doubles_hold_what_they_say(log: bool) -> None:
     assert all(a[1] == b[0] for a, b in pairwise(ends))
     for one in clear:
         points = np.linspace(one.low, one.high, 3)
-        assert len({tuple(functions._signs(float(v))) for v in points}) == 1
+        assert len({tuple(functions._point_signs(float(v))) for v in points}) == 1
     for one in single:
-        below, above = (functions._signs(v) for v in (one.low, one.high))
+        below, above = (functions._point_signs(v) for v in (one.low, one.high))
         assert sum(a != b for a, b in zip(below, above, strict=True)) == 1
         if one.near is not None:  # a pole has none
-            near = [functions._signs(one.near[0] * (1 + way * 1e-15)) for way in (-1, 1)]
+            near = [functions._point_signs(one.near[0] * (1 + way * 1e-15)) for way in (-1, 1)]
             assert near == [below, above]
     assert len(single) > 0
 

@@ -54,7 +54,9 @@ def test_what_the_exact_search_leaves_open_is_searched_in_pieces(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     family = skew_bead()["out"]
-    monkeypatch.setattr(exact_search.Branch, "_label", lambda *_: None)  # it recognises no branch
+    monkeypatch.setattr(
+        exact_search.BranchMembers, "_label", lambda *_: None
+    )  # it recognises no branch
     found = st.boundaries(family, axis=("turn", 0.5, 6.0, 20), damping=0.3)
     assert found.complete and len(found) == 0 and "pieces" in found.how
     monkeypatch.setattr(changes, "proved", lambda line, grid, **_: pieces.scanned(line, grid, "no"))

@@ -54,9 +54,9 @@ def rounds(name: str) -> Rounds:
 
 def exactly(found: Rounds, value: float, order: int) -> list[list[Any]]:
     """Taylor coefficients of each function at a point, in balls of 256 bits."""
-    line, formulas = found.found.line, found.found.formulas
+    line, formulas = found.meetings.line, found.meetings.formulas
     with precision(256), terms(order + 1):
-        a, q = line.given(arb_series([arb(value), 1]))
+        a, q = line.numbers_at(arb_series([arb(value), 1]))
         coefficients, _, positive = formulas(series_algebra(), a, q)
         both = [*watched(coefficients, even=formulas.even), *positive]
         return [[coefficient(f, k) for k in range(order + 1)] for f in both]
@@ -86,7 +86,7 @@ def test_coefficients_at_points_and_over_pieces_hold_the_true_ones(name: str) ->
 def test_the_solved_inclination_has_a_radius() -> None:
     """Its double is off by some share of its last digit, which the kernel must know."""
     found = rounds("solved")
-    formulas = found.found.formulas
+    formulas = found.meetings.formulas
     assert isinstance(formulas, ImplicitForm)
     with precision(256):
         true = formulas.solved(balls(), [arb(0.1), arb(0.3)])
@@ -96,7 +96,7 @@ def test_the_solved_inclination_has_a_radius() -> None:
 
 
 def test_a_kept_unknown_is_one_of_the_precision_that_is_asked() -> None:
-    found = rounds("solved").found.formulas
+    found = rounds("solved").meetings.formulas
     assert isinstance(found, ImplicitForm)
     for bits in (64, 256):  # the second must not find what the first has kept
         with precision(bits):
@@ -104,7 +104,7 @@ def test_a_kept_unknown_is_one_of_the_precision_that_is_asked() -> None:
 
 
 def test_a_solved_unknown_over_wide_parameters_holds_both_ends() -> None:
-    found = rounds("solved").found.formulas
+    found = rounds("solved").meetings.formulas
     assert isinstance(found, ImplicitForm)
     with precision(128):
         wide = found.solved(balls(), [arb(0.1, 1e-4), arb(0.3)])

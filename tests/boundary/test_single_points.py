@@ -12,7 +12,7 @@ import stability as st
 from stability.algebra.exact.rational_functions import RING
 from stability.bodies.subject import subject_of
 from stability.boundary.algebraic import one_variable
-from stability.boundary.algebraic.one_variable import Conditions, OneVariable
+from stability.boundary.algebraic.one_variable import OneVariable, StoredConditions
 from stability.boundary.algebraic.tower import Base
 from stability.boundary.brackets import AxisScan, refine
 from stability.boundary.pairs import grows
@@ -142,7 +142,7 @@ def test_a_condition_that_is_zero_between_unstable_sides_proves_nothing_alone(
     word: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     x = RING.gens()[0]
-    source = Conditions([("static", RING.constant(1)), ("flutter", -(x**2))], None)
+    source = StoredConditions([("static", RING.constant(1)), ("flutter", -(x**2))], None)
     family = resting(lambda p: p, lambda p: p)
     line = AxisScan(problem_of(subject_of(family, at=0.0, parameters={})), "p", {})
     members = OneVariable(line, source, Base("plain"), (-1.0, 1.0), dissipative=True)

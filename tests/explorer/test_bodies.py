@@ -148,14 +148,14 @@ def test_bounds_of_the_signs_hold_in_balls(asked: tuple[str, Engine]) -> None:
     """
     name, view = asked
     from stability.algebra.number_types import balls
-    from stability.explorer.quantities import Quantity
+    from stability.explorer.quantities import PageQuantity
     from stability.explorer.verdicts import closed_formulas
 
     generator, wide = np.random.default_rng(SEED), 0
     for law in ("viscous", "rough"):
         family = st.Torus(0.2).family("tumbling", law)
         names, key = (*family.at, *family.parameters), f"tumbling {law}"
-        quantities = {n: Quantity(n, n, "", "", 0.0, 1.0, 0.5) for n in names}
+        quantities = {n: PageQuantity(n, n, "", "", 0.0, 1.0, 0.5) for n in names}
         closed = closed_formulas(family, quantities)
         [subject] = [s for s in subjects(view.page) if s["key"] == key]
         for q in points(name, subject, generator).tolist():

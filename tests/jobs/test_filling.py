@@ -91,7 +91,11 @@ def test_only_what_is_missing_is_computed(tmp_path: Path) -> None:
         kept.add(block, values(np.arange(90).reshape(9, 10)[LAYOUT.slices(block)].ravel()))
     stored = 90 - sum(map(LAYOUT.count, kept.missing()))
     found = fill(
-        kept, Logged(str(log)), blank=blank, own=here, progress=lambda *pair: told.append(pair)
+        kept,
+        Logged(str(log)),
+        blank=blank,
+        start_pool=here,
+        progress=lambda *pair: told.append(pair),
     )
     assert [line.split()[0] for line in done(log)] == [f"{i}.{j}" for i, j in LAYOUT.blocks()[1::2]]
     assert (found.stored, found.computed) == (stored, 90 - stored)
@@ -109,7 +113,7 @@ def test_two_runs_at_once_write_the_same_and_share_the_work(tmp_path: Path) -> N
         threading.Thread(
             target=fill,
             args=(kept, Logged(str(log), 0.01)),
-            kwargs={"blank": blank, "own": own, "workers": 1},
+            kwargs={"blank": blank, "start_pool": own, "workers": 1},
         )
         for kept, own in zip(both, (here, threads), strict=True)
     ]
@@ -168,7 +172,7 @@ def test_chunks_of_one_cell_in_memory(tmp_path: Path) -> None:
     layout = Layout(("y", "x"), (2, 3), (1, 1))
     kept = Memory(layout, VARIABLES)
     work = Logged(str(tmp_path / "log"), deadly=(4,), layout=layout)
-    found = fill(kept, work, blank=blank, own=processes, workers=1)
+    found = fill(kept, work, blank=blank, start_pool=processes, workers=1)
     assert (found.lost, found.ended) == ((4,), 2)
     assert kept.dataset().outcome.values.ravel().tolist() == [0, 1, 2, 3, 9, 0]
 
@@ -217,7 +221,7 @@ def test_a_worker_that_ends_while_it_writes_leaves_nothing(tmp_path: Path) -> No
 def test_a_worker_that_ends_once_costs_one_execution(tmp_path: Path) -> None:
     log = tmp_path / "log"
     work = Logged(str(log), deadly=(37,), spare=str(tmp_path / "spare"))
-    found = fill(store(tmp_path / "a.zarr"), work, blank=blank, own=processes, workers=2)
+    found = fill(store(tmp_path / "a.zarr"), work, blank=blank, start_pool=processes, workers=2)
     assert (found.lost, found.ended, found.computed) == ((), 1, 90)
     assert len(done(log)) == 16
     assert tree(tmp_path / "a.zarr") == undisturbed(tmp_path / "b.zarr")
@@ -271,7 +275,7 @@ def test_workers_that_end_again_and_again_are_no_loop(
     monkeypatch.setattr("stability.jobs.filling.MOST_ENDED", 4)
     work = Logged(str(tmp_path / "log"), deadly=tuple(range(90)))
     with pytest.raises(st.StabilityError, match="workers ended 5 times, which is too often"):
-        fill(store(tmp_path / "a.zarr"), work, blank=blank, own=processes, workers=2)
+        fill(store(tmp_path / "a.zarr"), work, blank=blank, start_pool=processes, workers=2)
     assert soon(lambda: [str(p) for p in active_children()], 5.0) == []
 
 
@@ -334,7 +338,7 @@ def test_an_error_of_the_work_is_the_callers_and_what_is_done_is_kept(tmp_path: 
         return Logged(os.devnull)(block, part)
 
     with pytest.raises(st.StabilityError, match="no such launch"):
-        fill(store(tmp_path / "a.zarr"), work, blank=blank, own=here)
+        fill(store(tmp_path / "a.zarr"), work, blank=blank, start_pool=here)
     assert store(tmp_path / "a.zarr").missing() == LAYOUT.blocks()[10:]
 
 
@@ -358,7 +362,7 @@ def test_ctrl_c_keeps_every_finished_cell_and_says_where(kind: str, tmp_path: Pa
             Logged(str(log), 0.01),
             blank=blank,
             workers=2,
-            own=own,
+            start_pool=own,
             progress=stop,
         )
     told = int(str(caught.value).split()[1])
@@ -432,7 +436,9 @@ def test_a_driver_that_is_killed_in_its_seventh_chunk_is_resumed(tmp_path: Path)
         return Logged(str(log))(block, part)
 
     driver = get_context("fork").Process(
-        target=fill, args=(store(tmp_path / "a.zarr"), work), kwargs={"blank": blank, "own": here}
+        target=fill,
+        args=(store(tmp_path / "a.zarr"), work),
+        kwargs={"blank": blank, "start_pool": here},
     )
     driver.start()
     soon(lambda: [] if len(stored(tmp_path / "a.zarr")) == 6 else ["few"], 60.0)
@@ -441,7 +447,7 @@ def test_a_driver_that_is_killed_in_its_seventh_chunk_is_resumed(tmp_path: Path)
     assert driver.exitcode == -signal.SIGKILL
     first = [f"{i}.{j}" for i, j in blocks[:6]]
     assert stored(tmp_path / "a.zarr") == set(first)
-    fill(store(tmp_path / "a.zarr"), Logged(str(log)), blank=blank, own=here)
+    fill(store(tmp_path / "a.zarr"), Logged(str(log)), blank=blank, start_pool=here)
     assert [line.split()[0] for line in done(log)] == [f"{i}.{j}" for i, j in blocks]
     assert tree(tmp_path / "a.zarr") == undisturbed(tmp_path / "b.zarr")
 

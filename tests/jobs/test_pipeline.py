@@ -50,7 +50,7 @@ def squares(i: int) -> Callable[[], int]:
 def test_results_keep_the_order_of_the_keys(own: Any) -> None:
     seen: list[tuple[int, int]] = []
     count = Counted(lambda *pair: seen.append(pair), 12)
-    found = list(ordered(range(12), squares, workers=2, own=own, progress=count))
+    found = list(ordered(range(12), squares, workers=2, start_pool=own, progress=count))
     assert found == [(i, i * i) for i in range(12)]
     assert seen == [(i, 12) for i in range(1, 13)]
 
@@ -122,7 +122,7 @@ def test_what_has_not_begun_is_cancelled_when_the_iterator_is_closed() -> None:
 def test_an_error_of_the_work_is_the_error_of_the_caller() -> None:
     for own in (threads, here):
         with pytest.raises(ZeroDivisionError):
-            list(ordered([0, 1], lambda i: lambda: 1 // i, own=own))
+            list(ordered([0, 1], lambda i: lambda: 1 // i, start_pool=own))
 
 
 def test_a_worker_that_dies_gets_one_sentence() -> None:
@@ -130,7 +130,7 @@ def test_a_worker_that_dies_gets_one_sentence() -> None:
         list(ordered(range(9), lambda i: partial(die, i), workers=1, **how))
 
     with pytest.raises(st.StabilityError, match="a worker was ended from outside") as caught:
-        run(own=processes)
+        run(start_pool=processes)
     assert str(caught.value).endswith(".")
     with ProcessPoolExecutor(1, get_context("spawn")) as pool:
         with pytest.raises(st.StabilityError, match="a worker was ended from outside"):
@@ -168,7 +168,9 @@ def test_an_interruption_at_any_moment_leaves_what_was_finished(kind: str) -> No
                 raise KeyboardInterrupt
 
         def run(progress: Any, kept: Kept = kept) -> dict[int, int]:
-            how: dict[str, Any] = {"own": {"here": here, "processes": processes}.get(kind, threads)}
+            how: dict[str, Any] = {
+                "start_pool": {"here": here, "processes": processes}.get(kind, threads)
+            }
             pool: Executor = Distributed() if kind == "distributed" else ThreadPoolExecutor(1)
             with pool:
                 if kind == "distributed":
@@ -197,7 +199,7 @@ def test_processes_of_our_own_do_not_outlive_a_failure() -> None:
                 [0.0, 90.0],
                 lambda t: partial(time.sleep, t),
                 workers=2,
-                own=processes,
+                start_pool=processes,
                 progress=Counted(stop, 2),
             )
         )

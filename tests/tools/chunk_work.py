@@ -124,7 +124,7 @@ def undisturbed(path: Path) -> dict[str, str]:
     from stability.jobs.pipeline import here
 
     if not _ALONE:
-        fill(store(path), Logged(os.devnull), blank=blank, own=here)
+        fill(store(path), Logged(os.devnull), blank=blank, start_pool=here)
         _ALONE.update(tree(path))
     return dict(_ALONE)
 

@@ -122,14 +122,14 @@ def occurring(poly: Any) -> set[int]:
     return {i for i, d in enumerate(poly.degrees()) if d} if poly != 0 else set()
 
 
-def evaluate(poly: Any, known: Mapping[int, Any]) -> Any:
+def evaluate(poly: Any, values: Mapping[int, Any]) -> Any:
     """The value of a polynomial at rationals or balls.
 
     Parameters
     ----------
     poly
         The polynomial.
-    known
+    values
         Values by index of the variables that occur.
     """
     total: Any = fmpq(0)
@@ -137,7 +137,7 @@ def evaluate(poly: Any, known: Mapping[int, Any]) -> Any:
         term: Any = c
         for index, power in enumerate(exponents):
             for _ in range(int(power)):  # python-flint's power of a ball around 0 is nan
-                term = known[index] * term
+                term = values[index] * term
         total = term + total
     return total if isinstance(total, fmpq) else arb(total)
 
@@ -181,12 +181,12 @@ class FunctionField:
         def of(name: str) -> Callable[[Any], Any]:
             plain = EXACT.functions[name]
 
-            def apply(x: Any) -> Any:
+            def value(x: Any) -> Any:
                 with suppress(NotExact):
                     return plain(x)
                 return plain(x if isinstance(x, Element) else self.number(x))
 
-            return apply
+            return value
 
         table = {name: of(name) for name in (*RATIONAL_AT, "sqrt")}
         return replace(EXACT, functions=EXACT.functions | table, lasting=False)
@@ -283,12 +283,12 @@ class FunctionField:
         """An indeterminate as a polynomial."""
         return self._gens[index]
 
-    def enclosed(self, index: int, known: Mapping[int, Any]) -> Any:
+    def enclosed(self, index: int, values: Mapping[int, Any]) -> Any:
         """A function's indeterminate as a ball, from those that its argument holds."""
         name, x, over = self.meaning[index]
-        value = balls().functions[name](arb(evaluate(x.num, known) / evaluate(x.den, known)))
+        value = balls().functions[name](arb(evaluate(x.num, values) / evaluate(x.den, values)))
         if name == "sqrt" and over is not None and not over.is_constant():
-            value = value * arb(evaluate(over, known)).sgn()
+            value = value * arb(evaluate(over, values)).sgn()
         return value
 
     def uses(self, index: int) -> set[int]:

@@ -227,9 +227,9 @@ def factors(poly: Poly) -> tuple[Any, list[tuple[Poly, int]]]:
         return poly.leading_coefficient(), []
     if len(poly) <= MOST_FACTORED:
         try:
-            constant, found = poly.factor()
+            constant, factored = poly.factor()
         except OverflowError:  # python-flint cannot sort factors with long coefficients
             pass
         else:
-            return constant, [(f, int(n)) for f, n in found]
+            return constant, [(f, int(n)) for f, n in factored]
     return poly.leading_coefficient() ** 0, [(poly, 1)]

@@ -63,12 +63,12 @@ def nearest_root(value: Any) -> Any:
 def _at(point: int, value: int) -> Callable[[Any], Any]:
     """A function with a rational value at one rational point only."""
 
-    def apply(x: Any) -> Any:
+    def rational(x: Any) -> Any:
         if _is(x, point):
             return fmpq(value)
         raise NotExact("a transcendental value")
 
-    return apply
+    return rational
 
 
 def _is(x: Any, number: int) -> bool:
@@ -118,10 +118,10 @@ RATIONAL_TOO = {"expm1": (0, 0), "log1p": (0, 0), "asinh": (0, 0), "acosh": (1, 
 def _function(name: str) -> Callable[[Any], Any]:
     here = _at(*RATIONAL_AT[name])
 
-    def apply(x: Any) -> Any:
+    def exact_value(x: Any) -> Any:
         return x.function(name) if isinstance(x, Element) else here(x)
 
-    return apply
+    return exact_value
 
 
 EXACT = Algebra(
@@ -135,14 +135,14 @@ EXACT = Algebra(
 def exact_upright() -> Algebra:
     """Exact numbers and the right angle."""
 
-    def known(name: str) -> Any:
+    def with_right_angle(name: str) -> Any:
         plain = EXACT.functions[name]
         return lambda x: EXACT.constant(getattr(x, name)()) if isinstance(x, Upright) else plain(x)
 
     return replace(
         EXACT,
         name="exact, upright",
-        functions=EXACT.functions | {n: known(n) for n in ("sin", "cos")},
+        functions=EXACT.functions | {n: with_right_angle(n) for n in ("sin", "cos")},
     )
 
 

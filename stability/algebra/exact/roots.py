@@ -52,15 +52,15 @@ def halved_roots(p: Any) -> list[Any]:
     >>> [round(float(r), 9) for r in halved_roots(fmpz_poly([-2, 0, 1]))]
     [1.414213562, -1.414213562]
     """
-    found = []
+    roots = []
     if p[0] == 0:
-        found.append(arb(0))
+        roots.append(arb(0))
         p = fmpz_poly(p.coeffs()[1:])
     for sign in (1, -1):
         mirrored = [int(c) * sign**i for i, c in enumerate(p.coeffs())]
         for low, high in _intervals(tuple(mirrored)):
-            found.append(sign * _refined(fmpz_poly(mirrored), low, high))
-    return found
+            roots.append(sign * _refined(fmpz_poly(mirrored), low, high))
+    return roots
 
 
 @lru_cache(maxsize=16)
@@ -76,20 +76,20 @@ def _intervals(coefficients: tuple[int, ...]) -> tuple[tuple[Any, Any], ...]:
         max(map(_bits, coefficients)) - _bits(coefficients[-1]) + 2
     )  # Cauchy: roots are below 2^top
     waiting = [(_scaled(p, top), fmpq(0), fmpq(2) ** top)]
-    found = []
+    intervals = []
     while waiting:
         q, low, width = waiting.pop()
         if q[0] == 0:
-            found.append((low, low))
+            intervals.append((low, low))
             q = fmpz_poly(q.coeffs()[1:])
         count = _variations(fmpz_poly(q.coeffs()[::-1])(ONWARD).coeffs())
         if count == 1:
-            found.append((low, low + width))
+            intervals.append((low, low + width))
         elif count > 1:
             left = _scaled(q, -1)
             waiting.append((left, low, width / 2))
             waiting.append((left(ONWARD), low + width / 2, width / 2))
-    return tuple(found)
+    return tuple(intervals)
 
 
 def _bits(c: int) -> int:
@@ -249,10 +249,10 @@ def _of_long(factor: Any) -> Balls:
         return exact_roots(factor)
     with precision(CLUSTER_BITS):
         balls = [arb(c / factor[factor.degree()]) for c in factor.coeffs()]
-        found = isolated(balls, even=False)
-        if found is None:
-            found = clustered([*balls[:-1], arb(1)])
-    return found
+        roots = isolated(balls, even=False)
+        if roots is None:
+            roots = clustered([*balls[:-1], arb(1)])
+    return roots
 
 
 def _both(square: Any) -> Balls:
@@ -277,15 +277,15 @@ def isolated(coefficients: Balls, even: bool) -> Balls | None:
     balls = [arb(c) for c in (coefficients[::2] if even else coefficients)]
     if balls[-1].contains(0):
         return None
-    found = _separated(balls)
-    if found is None:
+    separated = _separated(balls)
+    if separated is None:
         return None
     # conjugates are roots too: if a ball's mirror image meets it and no other, its root is real
-    for i, r in enumerate(found):
-        others = (s for j, s in enumerate(found) if j != i)
+    for i, r in enumerate(separated):
+        others = (s for j, s in enumerate(separated) if j != i)
         if r.imag.contains(0) and any(r.conjugate().overlaps(s) for s in others):
             return None
-    real = [acb(r.real) if r.imag.contains(0) else r for r in found]
+    real = [acb(r.real) if r.imag.contains(0) else r for r in separated]
     if even:
         clear = not any(square.contains(0) for square in real)
         return [root for square in real for root in _both(square)] if clear else None
@@ -301,8 +301,8 @@ def _separated(balls: Balls) -> Balls | None:
     """
     tolerance = arb(2) ** (-3 * ctx.prec // 4)
     with suppress(ValueError):
-        found: Balls = acb_poly(balls).roots(tol=tolerance)
-        return found
+        roots: Balls = acb_poly(balls).roots(tol=tolerance)
+        return roots
     size = float(abs(balls[0] / balls[-1]).mid()) ** (1 / max(len(balls) - 1, 1))
     near = arb(size) if 0 < size < math.inf else arb(1)
     monic = acb_poly([c / balls[-1] for c in balls])
@@ -383,14 +383,14 @@ def squares(symmetric: Any) -> list[Any]:
         return []
     whole = fmpq_poly(symmetric.coeffs()[::2]).numer()
     if _spread(whole) > FAR:  # Flint's search for complex roots would take minutes
-        found = []
+        roots = []
         for factor, count in whole.factor_squarefree()[1]:
             real = halved_roots(factor)
             if len(real) < factor.degree():
                 break
-            found += [(acb(root), count) for root in real]
+            roots += [(acb(root), count) for root in real]
         else:
-            return found
+            return roots
     return factored_roots(whole)
 
 
@@ -425,8 +425,8 @@ def complex_roots(p: Any) -> list[Any]:
     """
     if p.degree() < 1:
         return []
-    found: list[Any] = p.numer().complex_roots()
-    return found
+    roots: list[Any] = p.numer().complex_roots()
+    return roots
 
 
 def specialised(p: Any, x: Any) -> Any:
@@ -512,17 +512,17 @@ def real_roots(polynomials: Sequence[Any], sine: Callable[[], Any] | None) -> li
             rest = rest / rest.gcd(other)
         if not rest.derivative(0).is_zero():
             apart.append(rest)
-    found: list[Any] = []
+    roots: list[Any] = []
     for p in apart:  # one by one: nearly equal roots of two polynomials are slow to separate
         if p.degrees()[1] == 0:
-            found += _rational_roots(univariate(p).numer())
+            roots += _rational_roots(univariate(p).numer())
         else:
             assert sine is not None
-            found += _ball_roots(p, sine())
-    found.sort(key=lambda r: r.mid())
-    if any(not low < high for low, high in zip(found[:-1], found[1:], strict=True)):
+            roots += _ball_roots(p, sine())
+    roots.sort(key=lambda r: r.mid())
+    if any(not low < high for low, high in zip(roots[:-1], roots[1:], strict=True)):
         raise UnclearError
-    return found
+    return roots
 
 
 def _rational_roots(p: Any) -> list[Any]:

@@ -406,20 +406,20 @@ def expanded_determinant(rows: Sequence[Sequence[Any]]) -> Any:
     >>> expanded_determinant(hurwitz_matrix([1, 2, 3, 4], 2, None))
     2
     """
-    known: dict[tuple[int, tuple[int, ...]], Any] = {}
+    minors: dict[tuple[int, tuple[int, ...]], Any] = {}
 
     def minor(row: int, columns: tuple[int, ...]) -> Any:
         if not columns:
             return 1
-        if (row, columns) not in known:
+        if (row, columns) not in minors:
             total: Any = 0
             for place, j in enumerate(columns):
                 entry = rows[row][j]
                 if entry is not None:
                     term = entry * minor(row + 1, columns[:place] + columns[place + 1 :])
                     total = total - term if place % 2 else total + term
-            known[row, columns] = total
-        return known[row, columns]
+            minors[row, columns] = total
+        return minors[row, columns]
 
     return minor(0, tuple(range(len(rows))))
 

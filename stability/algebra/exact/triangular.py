@@ -151,9 +151,9 @@ class Triangular:
         from scipy.sparse import csr_array
         from scipy.sparse.csgraph import structural_rank
 
-        given = [*self._open[:place], factor, *self._open[place + 1 :]]
-        pattern = np.array([[i in occurring(f) for i in sorted(self.unknowns)] for f in given])
-        return bool(structural_rank(csr_array(pattern)) < len(given))
+        equations = [*self._open[:place], factor, *self._open[place + 1 :]]
+        pattern = np.array([[i in occurring(f) for i in sorted(self.unknowns)] for f in equations])
+        return bool(structural_rank(csr_array(pattern)) < len(equations))
 
     def _exclude(self, poly: Any) -> None:
         if not poly.is_constant() and poly not in self.nonzero:
@@ -201,9 +201,9 @@ class Triangular:
         others = [f for f in self.nonzero if f not in self.crossed]
         self.nonzero = self._inserted(self.nonzero, index, value)
         self.crossed = [f for f in crossed if f not in self._inserted(others, index, value)]
-        for other, known in self.solved.items():
-            top = inserted(self.field, known.num, index, value)
-            bottom = inserted(self.field, known.den, index, value)
+        for other, solution in self.solved.items():
+            top = inserted(self.field, solution.num, index, value)
+            bottom = inserted(self.field, solution.den, index, value)
             self.solved[other] = top / bottom
         self.solved[index] = value
 
@@ -244,10 +244,10 @@ class Triangular:
 
     def value(self, expression: Expression) -> Expression:
         """An expression with the solved unknowns inserted."""
-        for index, known in self.solved.items():
+        for index, solution in self.solved.items():
             if index in occurring(expression.num) | occurring(expression.den):
-                top = inserted(self.field, expression.num, index, known)
-                bottom = inserted(self.field, expression.den, index, known)
+                top = inserted(self.field, expression.num, index, solution)
+                bottom = inserted(self.field, expression.den, index, solution)
                 expression = top / bottom
         return expression
 
@@ -263,7 +263,7 @@ class Triangular:
         """Polynomials modulo the kept equations, all times the same nonzero polynomial."""
         out = [self.field.reduced(p) for p in polynomials]
         for index, equation in self.kept:
-            found = [remainder(p, equation, index, self.field.reduced) for p in out]
-            most = max((count for _, _, count in found), default=0)
-            out = [self.field.reduced(p * lead ** (most - count)) for p, lead, count in found]
+            remainders = [remainder(p, equation, index, self.field.reduced) for p in out]
+            most = max((count for _, _, count in remainders), default=0)
+            out = [self.field.reduced(p * lead ** (most - count)) for p, lead, count in remainders]
         return out

@@ -55,9 +55,9 @@ def folder() -> Path:
     >>> folder().name
     'kernels'
     """
-    own = os.environ.get("STABILITY_CACHE_DIR")
-    if own:
-        return Path(own) / "kernels"
+    cache = os.environ.get("STABILITY_CACHE_DIR")
+    if cache:
+        return Path(cache) / "kernels"
     home = Path(os.path.expanduser("~"))
     if sys.platform == "win32":
         base = Path(os.environ.get("LOCALAPPDATA") or home / "AppData" / "Local")

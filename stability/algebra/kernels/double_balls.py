@@ -57,9 +57,11 @@ def divide(a: Any, ra: Any, b: Any, rb: Any) -> Any:
     TINY within the bracket covers an underflow of its quotient, which 1/|b| may enlarge.
     """
     gap = np.abs(b) - rb
-    one = 1.0 / b
-    r = ((rb / (0.5 * (gap + np.abs(gap))) + TINY) * np.abs(one) + U * np.abs(one)) * UP + TINY
-    return multiply(a, ra, one, r)
+    inverse = 1.0 / b
+    r = (
+        (rb / (0.5 * (gap + np.abs(gap))) + TINY) * np.abs(inverse) + U * np.abs(inverse)
+    ) * UP + TINY
+    return multiply(a, ra, inverse, r)
 
 
 def root(a: Any, ra: Any) -> Any:
@@ -87,10 +89,10 @@ def sines(a: Any, ra: Any) -> Any:
     sign = 1.0 - 2.0 * half
     sine = sign * ((1.0 - odd) * s + odd * c)
     cosine = sign * ((1.0 - odd) * c - odd * s)
-    known = 1.0 * (np.abs(a) <= LARGEST)  # elsewhere the radius is infinite
+    in_range = 1.0 * (np.abs(a) <= LARGEST)  # elsewhere the radius is infinite
     bent = 0.5 * ra * ra + SINE
-    rs = (((np.abs(cosine) + SINE) * ra + bent) * UP + TINY) / known
-    rc = (((np.abs(sine) + SINE) * ra + bent) * UP + TINY) / known
+    rs = (((np.abs(cosine) + SINE) * ra + bent) * UP + TINY) / in_range
+    rc = (((np.abs(sine) + SINE) * ra + bent) * UP + TINY) / in_range
     return sine, rs, cosine, rc
 
 

@@ -41,7 +41,7 @@ MOST_FACTORS = 16
 class _Recording:
     """Operations in order, each with the values that it reads."""
 
-    known: dict[tuple[Any, ...], int] = field(default_factory=dict)
+    places: dict[tuple[Any, ...], int] = field(default_factory=dict)
     steps: list[tuple[int, int, int, int]] = field(default_factory=list)
     constants: dict[int, float] = field(default_factory=dict)
     count: int = 0
@@ -52,19 +52,19 @@ class _Recording:
 
     def constant(self, number: float) -> _Value:
         key = ("constant", float(number), math.copysign(1.0, number))
-        if key not in self.known:
-            self.known[key] = self.value()
-            self.constants[self.known[key]] = float(number)
-        return _Value(self, self.known[key])
+        if key not in self.places:
+            self.places[key] = self.value()
+            self.constants[self.places[key]] = float(number)
+        return _Value(self, self.places[key])
 
     def step(self, kind: int, a: _Value, b: _Value | None = None) -> _Value:
         second = -1 if b is None else b.place
         key = (kind, a.place, second)
-        if key not in self.known:
-            target = self.known[key] = self.value()
+        if key not in self.places:
+            target = self.places[key] = self.value()
             other = self.value() if kind == SINES else second
             self.steps.append((kind, target, a.place, other))
-        return _Value(self, self.known[key])
+        return _Value(self, self.places[key])
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,7 +175,7 @@ class Tape:
         """
         kernel, lanes = compiled(double_balls, plain=plain), mid.shape[1]
         loops = (1,) if plain or not numba_found() else ()  # NumPy takes a row in one step
-        found = np.zeros((2, len(self.outputs), lanes))
+        balls = np.zeros((2, len(self.outputs), lanes))
         for low in range(0, lanes, LANES):
             part = slice(low, low + LANES)
             m, r = np.zeros((2, self.size, min(LANES, lanes - low)))
@@ -185,8 +185,8 @@ class Tape:
             m[self._fixed[0]] = self._fixed[1]
             with np.errstate(all="ignore"):  # a radius that is nan holds everything
                 kernel.follow(self.steps, *(v.reshape(-1, *loops, v.shape[1]) for v in (m, r)))
-            found[0, :, part], found[1, :, part] = m[self._rows], r[self._rows]
-        return found[0], found[1]
+            balls[0, :, part], balls[1, :, part] = m[self._rows], r[self._rows]
+        return balls[0], balls[1]
 
     @cached_property
     def _rows(self) -> NDArray[np.int64]:
@@ -222,13 +222,13 @@ def recorded(run: Callable[[list[Any], Algebra], Sequence[Any]], inputs: int) ->
     (2, 4)
     """
     recording = _Recording()
-    own = [_Value(recording, recording.value()) for _ in range(inputs)]
+    variables = [_Value(recording, recording.value()) for _ in range(inputs)]
     algebra = Algebra("tape", recording.constant, _FUNCTIONS, lasting=False)
     try:
-        found = run(own, algebra)
+        outputs = run(variables, algebra)
     except KeyError as error:
         raise StabilityError(f"{error.args[0]} has no kernel.") from None
-    read = [v if isinstance(v, _Value) else recording.constant(float(v)) for v in found]
+    read = [v if isinstance(v, _Value) else recording.constant(float(v)) for v in outputs]
     return _allocated(recording, inputs, [v.place for v in read])
 
 
@@ -400,10 +400,12 @@ def recorded_series(
     True
     """
 
-    def over(own: list[Any], numbers: Algebra) -> list[Any]:
-        given = [_Series([x, 1.0] if i == variable else [x], order) for i, x in enumerate(own)]
-        found = run(given, _algebra(numbers, order))  # `recorded` refuses what has no kernel
-        read = [v if isinstance(v, _Series) else _Series([v], order) for v in found]
+    def over(arguments: list[Any], numbers: Algebra) -> list[Any]:
+        series = [
+            _Series([x, 1.0] if i == variable else [x], order) for i, x in enumerate(arguments)
+        ]
+        outputs = run(series, _algebra(numbers, order))  # `recorded` refuses what has no kernel
+        read = [v if isinstance(v, _Series) else _Series([v], order) for v in outputs]
         return [v[k] for v in read for k in range(order + 1)]
 
     return recorded(over, inputs)

@@ -79,18 +79,18 @@ def box_dimension(found: Borders) -> BoxDimension:
     >>> from stability.basin.borders import borders
     >>> def inside(points):
     ...     return np.hypot(points[:, 0], points[:, 1]) < 0.8
-    >>> found = box_dimension(borders(inside, ("x", -1, 1, 9), ("y", -1, 1, 9), levels=9))
-    >>> bool(found.interval[0] < 1 < found.interval[1]), round(found.dimension, 1)
+    >>> dimension = box_dimension(borders(inside, ("x", -1, 1, 9), ("y", -1, 1, 9), levels=9))
+    >>> bool(dimension.interval[0] < 1 < dimension.interval[1]), round(dimension.dimension, 1)
     (True, 1.0)
     """
     ways = [_dimension(counts) for counts in found.crossings.T]
-    known = [one for one in ways if one is not None]
-    if not known:
+    fits = [fit for fit in ways if fit is not None]
+    if not fits:
         raise ParameterError(
             f"fewer than {LEVELS} of {found.levels + 1} levels have {FEWEST} unlike pairs along "
             "one axis; refine further."
         )
-    return max(known, key=lambda one: one.dimension)
+    return max(fits, key=lambda fit: fit.dimension)
 
 
 def _dimension(pairs: Ints) -> BoxDimension | None:
@@ -210,7 +210,7 @@ def sensitive(
     strips = np.zeros(len(blocks), dtype=bool)
     if len(unfinished) and (local < BOUND).any():
         strips = (local < BOUND) & _smooth_without(found, unfinished, blocks, span)
-    own = np.where(strips, np.inf, local)[block]
+    exponents = np.where(strips, np.inf, local)[block]
     note = (
         f"Sensitive: in blocks of 2^{span} cells, the share of uncertain launches falls with an "
         f"exponent below {BOUND:g} over {HALVINGS} halvings."
@@ -220,35 +220,35 @@ def sensitive(
             "  Open: the same, but through a strip of launches whose end is not known; counted "
             "with one of the ends next to it, they leave a smooth border."
         )
-    return Sensitive(own < BOUND, local[block], BOUND, span, blocks, local, strips, note)
+    return Sensitive(exponents < BOUND, local[block], BOUND, span, blocks, local, strips, note)
 
 
 def _smooth_without(
-    found: Borders, unfinished: Sequence[int], blocks: Ints, span: int
+    borders: Borders, unfinished: Sequence[int], blocks: Ints, span: int
 ) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
     """Blocks whose border is smooth once unfinished launches count with another end nearby."""
-    labels = _corners(found)
+    labels = _corners(borders)
     open_ = np.isin(labels, unfinished)
     out = np.zeros(len(blocks), dtype=bool)
     for label in np.unique(labels[~open_]):
         merged = np.where(open_, label, labels)
-        left = found.cells[(merged != merged[:, :1]).any(axis=1)]
+        left = borders.cells[(merged != merged[:, :1]).any(axis=1)]
         if len(left):
             held, _, local = _exponents(left, span)
-            known = {tuple(b) for b in held[local >= BOUND].tolist()}
-            out |= np.array([tuple(b) in known for b in blocks.tolist()], dtype=bool)
+            smooth = {tuple(b) for b in held[local >= BOUND].tolist()}
+            out |= np.array([tuple(b) in smooth for b in blocks.tolist()], dtype=bool)
     return out
 
 
-def _corners(found: Borders) -> Ints:
+def _corners(borders: Borders) -> Ints:
     """Labels of the four corners of each finest mixed cell, shape (m, 4)."""
-    row = int(found.index[:, 1].max()) + 1
-    place = found.index[:, 0].astype(np.int64) * row + found.index[:, 1]
+    row = int(borders.index[:, 1].max()) + 1
+    place = borders.index[:, 0].astype(np.int64) * row + borders.index[:, 1]
     order = np.argsort(place)
-    step = 2 ** (found.lattice_levels - found.levels)
-    ends = [(found.cells + d) * step for d in ((0, 0), (1, 0), (0, 1), (1, 1))]
+    step = 2 ** (borders.lattice_levels - borders.levels)
+    ends = [(borders.cells + d) * step for d in ((0, 0), (1, 0), (0, 1), (1, 1))]
     asked = np.stack([e[:, 0] * row + e[:, 1] for e in ends], axis=1)
-    return np.asarray(found.labels[order[np.searchsorted(place[order], asked)]])
+    return np.asarray(borders.labels[order[np.searchsorted(place[order], asked)]])
 
 
 def _exponents(cells: Ints, span: int) -> tuple[Ints, Ints, Floats]:
@@ -261,5 +261,5 @@ def _exponents(cells: Ints, span: int) -> tuple[Ints, Ints, Floats]:
 
 def _in_blocks(cells: Ints, coarser: int, span: int) -> Ints:
     """Mixed cells of a coarser level in each block that has one, in order of the blocks."""
-    known = np.unique(cells >> coarser, axis=0) >> (span - coarser)
-    return np.asarray(np.unique(known, axis=0, return_counts=True)[1])
+    blocks = np.unique(cells >> coarser, axis=0) >> (span - coarser)
+    return np.asarray(np.unique(blocks, axis=0, return_counts=True)[1])

@@ -144,8 +144,8 @@ def uncertainty_exponent(
     >>> def above(points):
     ...     return points[:, 1] > points[:, 0] ** 2
     >>> sizes = np.geomspace(1e-3, 0.1, 8)
-    >>> found = st.statistics.uncertainty_exponent(above, [0, 0], [1, 1], sizes)
-    >>> bool(found.interval[0] < 1 < found.interval[1]), found.dimensions
+    >>> exponent = st.statistics.uncertainty_exponent(above, [0, 0], [1, 1], sizes)
+    >>> bool(exponent.interval[0] < 1 < exponent.interval[1]), exponent.dimensions
     (True, 2)
     """
     box = _box(low, high)
@@ -154,8 +154,8 @@ def uncertainty_exponent(
         raise ParameterError("epsilons: give at least three numbers in (0, 1/2].")
     points = whole_number("points", points, least=2)
     unlike = disagreements(label, box, steps, points=points, seed=seed, chunk=chunk)
-    found = exponent_of(unlike, steps, len(box), level)
-    return replace(found, citation=joined([str(getattr(label, "citation", WORKS)), WORKS]))
+    exponent = exponent_of(unlike, steps, len(box), level)
+    return replace(exponent, citation=joined([str(getattr(label, "citation", WORKS)), WORKS]))
 
 
 def disagreements(
@@ -168,8 +168,8 @@ def disagreements(
     moved = base[:, None, :] + epsilons[None, :, None] * towards[:, None, :]
     moved = 1 - np.abs(1 - np.abs(moved))  # mirrored at 0 and 1
     launches = np.concatenate([base[:, None, :], moved], axis=1).reshape(-1, d)
-    found = asked(label, box[:, 0] + (box[:, 1] - box[:, 0]) * launches, chunk)
-    labels = found.reshape(points, -1)
+    flat = asked(label, box[:, 0] + (box[:, 1] - box[:, 0]) * launches, chunk)
+    labels = flat.reshape(points, -1)
     return np.asarray(labels[:, 1:] != labels[:, :1])
 
 
@@ -312,13 +312,13 @@ def _fit_power_law(
     if (counts == len(table)).any():
         raise ParameterError("all base points differ at one displacement; take smaller ones.")
     law = _Likelihood(np.asarray(table, dtype=float), epsilons)
-    found = minimize_scalar(
+    minimum = minimize_scalar(
         lambda b: -law.profile(b),
         bounds=(-STEEPEST, STEEPEST),
         method="bounded",
         options={"xatol": 1e-9},
     )
-    b = float(found.x)
+    b = float(minimum.x)
     p = np.exp(law.level(b) + b * law.x)
     design = np.stack([np.ones_like(p), law.x], axis=1)
     inverse = np.linalg.inv(design.T @ ((p / (1 - p))[:, None] * design))

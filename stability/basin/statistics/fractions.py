@@ -122,19 +122,19 @@ def fractions(labels: ArrayLike, level: float = LEVEL) -> tuple[Fraction, ...]:
     Examples
     --------
     >>> import stability as st
-    >>> for one in st.statistics.fractions([0, 0, 1, 0, 2, 0, 0, 1, 0, 0]):
-    ...     print(one.label, one.value, f"{one.low:.3f} {one.high:.3f}")
+    >>> for fraction in st.statistics.fractions([0, 0, 1, 0, 2, 0, 0, 1, 0, 0]):
+    ...     print(fraction.label, fraction.value, f"{fraction.low:.3f} {fraction.high:.3f}")
     0 0.7 0.397 0.892
     1 0.2 0.057 0.510
     2 0.1 0.018 0.404
     """
-    given = np.asarray(labels)
-    if given.dtype.kind not in "iub" or given.ndim != 1 or not given.size:
+    sample = np.asarray(labels)
+    if sample.dtype.kind not in "iub" or sample.ndim != 1 or not sample.size:
         raise ParameterError(f"the labels are {shown(labels)}; give whole numbers, shape (n,).")
-    names, counts = np.unique(given.astype(np.int64), return_counts=True)
-    low, high = wilson(counts, given.size, level)
+    names, counts = np.unique(sample.astype(np.int64), return_counts=True)
+    low, high = wilson(counts, sample.size, level)
     rows = zip(names.tolist(), counts.tolist(), low.tolist(), high.tolist(), strict=True)
-    return tuple(Fraction(n, k, given.size, a, b, level) for n, k, a, b in rows)
+    return tuple(Fraction(n, k, sample.size, a, b, level) for n, k, a, b in rows)
 
 
 def quantile(level: float) -> float:

@@ -22,7 +22,7 @@ BLOCK = 4
 LARGEST_SEED = 2**128 - 1
 
 
-class Quantity(Protocol):
+class QuantityDistribution(Protocol):
     """Distribution of one quantity."""
 
     def at(self, share: Floats) -> Floats:
@@ -145,15 +145,15 @@ class Independent(Record):
     ('theta', 'omega3')
     """
 
-    quantities: Mapping[str, Quantity]
+    quantities: Mapping[str, QuantityDistribution]
     """Distribution of each quantity."""
 
     def __post_init__(self) -> None:
         _named(self.quantities)
-        for name, one in self.quantities.items():
-            if not callable(getattr(one, "at", None)):
+        for name, quantity in self.quantities.items():
+            if not callable(getattr(quantity, "at", None)):
                 raise ParameterError(
-                    f"the distribution of {name} is {shown(one)}; "
+                    f"the distribution of {name} is {shown(quantity)}; "
                     "give Uniform, LogUniform or Normal."
                 )
 
@@ -170,7 +170,7 @@ class Independent(Record):
     def values(self, shares: Floats) -> Floats:
         """Launches from even numbers in (0, 1)."""
         columns = zip(self.quantities.values(), shares.T, strict=True)
-        return np.stack([one.at(share) for one, share in columns], axis=1)
+        return np.stack([quantity.at(share) for quantity, share in columns], axis=1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -219,7 +219,7 @@ class Ball(Record):
         return np.asarray(centre + radius * unit)
 
 
-DistributionLike = Distribution | Mapping[str, Quantity]
+DistributionLike = Distribution | Mapping[str, QuantityDistribution]
 """A distribution, or independent quantities by name."""
 
 

@@ -129,10 +129,10 @@ def fatal_shock(
     >>> import stability as st
     >>> def over(points):
     ...     return points.sum(axis=1) > 3  # at the distance √3 from the origin
-    >>> found = st.statistics.fatal_shock(over, [0, 0, 0], reach=5)
-    >>> bool(math.sqrt(3) < found.size < 1.001 * math.sqrt(3)), found.label
+    >>> shock = st.statistics.fatal_shock(over, [0, 0, 0], reach=5)
+    >>> bool(math.sqrt(3) < shock.size < 1.001 * math.sqrt(3)), shock.label
     (True, 1)
-    >>> bool(np.linalg.norm(found.launch) == found.size)
+    >>> bool(np.linalg.norm(shock.launch) == shock.size)
     True
     """
     budget = whole_number("budget", budget)
@@ -140,7 +140,7 @@ def fatal_shock(
         float(positive(n, one_number(n, v)))
         for n, v in (("reach", reach), ("tolerance", tolerance))
     )
-    search = _Search(label, _Ball.of(start, scale, low, high), budget, reach, tolerance, seed)
+    search = _ShockSearch(label, _Ball.of(start, scale, low, high), budget, reach, tolerance, seed)
     search.run()
     return search.result()
 
@@ -162,18 +162,18 @@ class _Ball:
         point = np.asarray(checked("start", start))
         if point.ndim != 1:
             raise ParameterError(f"start is {shown(start)}; give one launch, shape (d,).")
-        given = (
+        ranges = (
             ("scale", np.asarray(positive("scale", scale))),
             ("low", np.asarray(-np.inf if low is None else checked("low", low))),
             ("high", np.asarray(np.inf if high is None else checked("high", high))),
         )
-        for name, value in given:
+        for name, value in ranges:
             if value.shape not in ((), point.shape):
                 raise ParameterError(
                     f"{name} has shape {value.shape}; give one number, or one for each of the "
                     f"{len(point)} coordinates."
                 )
-        size, least, most = (np.broadcast_to(v, point.shape) for _, v in given)
+        size, least, most = (np.broadcast_to(v, point.shape) for _, v in ranges)
         if (point < least).any() or (point > most).any():
             raise ParameterError("the start is outside its range; give low ≤ start ≤ high.")
         return cls(point, size, least, most)
@@ -192,7 +192,7 @@ class _SpentError(Exception):
     """The budget is spent."""
 
 
-class _Search:
+class _ShockSearch:
     """The state of a search; the questions depend on the answers before alone."""
 
     def __init__(
@@ -252,11 +252,11 @@ class _Search:
         self.drawn += DRAWS
         before = min(self.size, self.reach)
         shocks = before * in_ball(numbers)
-        start, known = self.searched, self.size
+        start, bound = self.searched, self.size
         try:
             changed = np.flatnonzero(self.ask(shocks) != self.own)
         finally:  # the budget may end here
-            if self.size == known:
+            if self.size == bound:
                 self.clear += self.searched - start
         order = np.argsort(np.linalg.norm(shocks[changed], axis=1), kind="stable")
         self.bracket(shocks[changed[order[:CLOSEST]]], self.tolerance)

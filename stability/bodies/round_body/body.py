@@ -122,8 +122,8 @@ class Body(RoundShape):
         object.__setattr__(self, "height", replace(height, error=self.error))
         for name in MOMENTS:
             value = getattr(self, name)
-            own = callable(value)
-            value = expression(name, value, list(numbers)) if own else positive(name, value)
+            is_function = callable(value)
+            value = expression(name, value, list(numbers)) if is_function else positive(name, value)
             object.__setattr__(self, name, value)
         object.__setattr__(self, "between", self._range())
         broadcast(**{n: np.shape(v) for n, v in self.given.items()})
@@ -131,8 +131,8 @@ class Body(RoundShape):
         self._check_convex()
 
     def __repr__(self) -> str:
-        given = {**self.shape, **self.constants}
-        shape = [f"{n} = {in_short(v)}" for n, v in given.items()]
+        values = {**self.shape, **self.constants}
+        shape = [f"{n} = {in_short(v)}" for n, v in values.items()]
         numbers = [*shape, *(f"{n} = {v}" for n, v in self._sizes().items())]
         return f"<Body {', '.join([self.name, *numbers])}>"
 
@@ -248,14 +248,14 @@ class Body(RoundShape):
         """The limits, after a check that the numbers lie within them."""
         if not isinstance(self.limits, Mapping):
             raise ParameterError(f"limits is {shown(self.limits)}; give pairs (low, high) by name.")
-        found = {}
-        for name, given in self.limits.items():
+        limits = {}
+        for name, pair in self.limits.items():
             if name not in numbers:
                 raise NameUnknownError(
                     f"limits names {shown(name)}; numbers of the shape are "
                     f"{', '.join(numbers) or 'none'}."
                 )
-            low, high = _pair(f"the limit of {name}", given, "two numbers (low, high)")
+            low, high = _rising_pair(f"the limit of {name}", pair, "two numbers (low, high)")
             bad = np.asarray(numbers[name])
             bad = bad[(bad <= low) | (bad > high)]
             if bad.size:
@@ -263,13 +263,13 @@ class Body(RoundShape):
                 raise ParameterError(
                     f"{name} of the {self.name} is {bad.flat[0]:g}; it must lie in ({low:g}{end}."
                 )
-            found[name] = (low, high)
-        return found
+            limits[name] = (low, high)
+        return limits
 
     def _range(self) -> tuple[float, float]:
         """The interval of θ in which the height holds."""
         accepted = "two angles in rising order between 0 and π"
-        low, high = _pair("between", self.between, accepted)
+        low, high = _rising_pair("between", self.between, accepted)
         if not (low >= 0 and high <= math.pi):
             raise ParameterError(f"between is {shown(self.between)}; give {accepted}.")
         return low, high
@@ -291,17 +291,17 @@ class Body(RoundShape):
 
     def _convexity(self) -> Convexity:
         """What is proved about the height."""
-        own = np.broadcast_arrays(*self.shape.values()) if self.shape else []
-        shapes = zip(*(v.ravel().tolist() for v in own), strict=True) if own else [()]
-        found: Any = self.height
-        return convexity(found, tuple(self.shape), tuple(dict.fromkeys(shapes)), self.between)
+        arrays = np.broadcast_arrays(*self.shape.values()) if self.shape else []
+        shapes = zip(*(v.ravel().tolist() for v in arrays), strict=True) if arrays else [()]
+        height: Any = self.height
+        return convexity(height, tuple(self.shape), tuple(dict.fromkeys(shapes)), self.between)
 
     def _check_convex(self) -> None:
         """Refuse a height that no convex body over the plane has: by proof, else at samples."""
-        found = self._convexity()
-        if found.wrong is not None:
-            raise _not_convex(*found.wrong)
-        if not found.open:
+        proof = self._convexity()
+        if proof.wrong is not None:
+            raise _not_convex(*proof.wrong)
+        if not proof.open:
             return
         low, high = self.between
         theta = low + (high - low) * (np.arange(SAMPLES) + 0.5) / SAMPLES
@@ -332,12 +332,12 @@ def _not_convex(what: str, value: float, theta: float) -> ParameterError:
     )
 
 
-def _pair(name: str, given: Any, remedy: str) -> tuple[float, float]:
+def _rising_pair(name: str, value: Any, remedy: str) -> tuple[float, float]:
     """Two numbers in rising order; the higher one may be infinite."""
     try:
-        ends = real_numbers(name, given)
+        ends = real_numbers(name, value)
     except ParameterError:
         ends = np.empty(0)
     if ends.shape != (2,) or not -math.inf < ends[0] < ends[1]:
-        raise ParameterError(f"{name} is {shown(given)}; give {remedy}.")
+        raise ParameterError(f"{name} is {shown(value)}; give {remedy}.")
     return float(ends[0]), float(ends[1])

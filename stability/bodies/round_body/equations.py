@@ -25,7 +25,7 @@ from ..quantities import round_quantities
 from ..resistance import Resistance
 from .height.pole_height import height_of_angle
 from .shape import RoundShape, of_fit
-from .si_law import Law, Numbers, Shape, shape_of
+from .si_law import BodySymbols, Law, Shape, shape_of
 from .thin import is_thin
 
 Resistances = tuple[type[Resistance], ...]
@@ -34,7 +34,7 @@ Resistances = tuple[type[Resistance], ...]
 def round_system(
     body: RoundShape,
     law: type[Contact],
-    given: tuple[str, ...],
+    parameters: tuple[str, ...],
     *,
     physical: bool,
     slip_states: bool = False,
@@ -48,7 +48,7 @@ def round_system(
         The body; its numbers do not matter, only their names.
     law
         Class of the law.
-    given
+    parameters
         Names of the law's parameters, which become parameters of the system.
     physical
         Whether mass, gravity and length are parameters too; otherwise they are 1.
@@ -68,26 +68,28 @@ def round_system(
         the contact point from the foot of the centre along x̂).
     """
     slips = law.slips or (slip_states and not law.holds)
-    return _system(shape_of(body), law, given, physical, resistance, slips)  # type: ignore[arg-type]  # a class is hashable
+    return _system(shape_of(body), law, parameters, physical, resistance, slips)  # type: ignore[arg-type]  # a class is hashable
 
 
 @lru_cache(maxsize=64)
 def _system(  # noqa: PLR0913
     shape: Shape,
     law: type[Contact],
-    given: tuple[str, ...],
+    parameters: tuple[str, ...],
     physical: bool,  # noqa: FBT001
     resistance: Resistances,
     slips: bool,  # noqa: FBT001
 ) -> System:
     name, height, *_ = shape
-    numbers = Numbers.of(shape, (*given, *(r.coefficient for r in resistance)), physical=physical)
+    numbers = BodySymbols.of(
+        shape, (*parameters, *(r.coefficient for r in resistance)), physical=physical
+    )
     states = STATES if slips else STATES[:4]
     x = ca.SX.sym("x", len(states))
-    along = height_of_angle(height, x[0], numbers.own)
+    along = height_of_angle(height, x[0], numbers.shape_symbols)
 
     def below(order: int) -> System:
-        names = given if order else ()
+        names = parameters if order else ()
         return _system(shape, CREEP[order], names, physical, resistance, False)  # type: ignore[arg-type]  # a class is hashable
 
     slip, creeps = None, []
@@ -96,7 +98,7 @@ def _system(  # noqa: PLR0913
         units = Units(mass, length, gravity, ca.sqrt)
         slip = slip_of(law, below(law.order - 1), x, numbers.table)
         creeps = [Condition(follows(below(0), x, numbers.table, units), CREEPS)]
-    body = _body(x, along, numbers, Law(law, numbers.table, given), slips, slip, resistance)
+    body = _body(x, along, numbers, Law(law, numbers.table, parameters), slips, slip, resistance)
     system = System.from_mass_matrix(
         f"{name}, {law.name}",
         x,
@@ -121,9 +123,9 @@ def rough_round(shape: Shape, resistance: Resistances) -> System:
 @lru_cache(maxsize=32)
 def held_round(shape: Shape, resistance: Resistances) -> tuple[Program, Program]:
     """A body held to a slip in its angles, dimensionless: see `held_programs`."""
-    numbers = Numbers.of(shape, [r.coefficient for r in resistance], physical=False)
+    numbers = BodySymbols.of(shape, [r.coefficient for r in resistance], physical=False)
     x = ca.SX.sym("x", 4)
-    along = height_of_angle(shape[1], x[0], numbers.own)
+    along = height_of_angle(shape[1], x[0], numbers.shape_symbols)
     law, slip = Law(Rough, numbers.table, ()), ca.vertsplit(SLIP)
     return held_in_angles(_body(x, along, numbers, law, False, slip, resistance), numbers.p)
 
@@ -131,7 +133,7 @@ def held_round(shape: Shape, resistance: Resistances) -> tuple[Program, Program]
 def _body(  # noqa: PLR0913
     x: ca.SX,
     along: ca.SX,
-    numbers: Numbers,
+    numbers: BodySymbols,
     law: Law,
     slips: bool,  # noqa: FBT001
     slip: list[ca.SX] | None = None,
@@ -155,13 +157,18 @@ def _body(  # noqa: PLR0913
 
 
 def conditions_along(
-    shape: Shape, law: type[Contact], given: Sequence[str], numbers: Numbers, x: ca.SX, along: ca.SX
+    shape: Shape,
+    law: type[Contact],
+    parameters: Sequence[str],
+    numbers: BodySymbols,
+    x: ca.SX,
+    along: ca.SX,
 ) -> ca.SX:
     """The numbers that a system's conditions ask to be positive, for another reading of the height.
 
     Parameters
     ----------
-    shape, law, given
+    shape, law, parameters
         As for `closed_form`.
     numbers
         Symbols of the parameters.
@@ -170,7 +177,7 @@ def conditions_along(
     along
         The height at the inclination `x[0]`; it may hold symbols of its own.
     """
-    stated = Law(law, numbers.table, given)
+    stated = Law(law, numbers.table, parameters)
     body = _body(x, along, numbers, stated, x.numel() == len(STATES))
     solution, pivots = eliminate(*body.implicit_form(), body.pivots)
     seen = body.observables(dict(zip(body.unknown_names, solution, strict=True)), pivots)
@@ -193,11 +200,13 @@ def with_quantities(
     """
     every = (*system.states, *system.parameters, *system.observables)
     coefficients = {r.coefficient: r.unit if physical else "1" for r in resistance}
-    known = round_quantities(shape[0], law, shape[3], [n for n in every if n not in coefficients])
-    own = {n: q for n, q in known.items() if n in every}
-    units = {n: q.kind.unit(dimensionless=not physical) for n, q in own.items()}
+    quantities = round_quantities(
+        shape[0], law, shape[3], [n for n in every if n not in coefficients]
+    )
+    of_system = {n: q for n, q in quantities.items() if n in every}
+    units = {n: q.kind.unit(dimensionless=not physical) for n, q in of_system.items()}
     fit = of_fit(shape[0], shape[1].error)
-    return replace(system, units=units | coefficients, quantities=known, approximation=fit)
+    return replace(system, units=units | coefficients, quantities=quantities, approximation=fit)
 
 
 def _conditions(  # type: ignore[no-untyped-def]

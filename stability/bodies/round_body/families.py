@@ -43,7 +43,7 @@ def round_family(
     body: RoundShape,
     name: str,
     law: type[Contact],
-    given: tuple[str, ...],
+    parameters: tuple[str, ...],
     *,
     physical: bool,
     theta: float | None = None,
@@ -60,7 +60,7 @@ def round_family(
         A key of `FAMILIES`.
     law
         Class of the law.
-    given
+    parameters
         Names of the law's parameters.
     physical
         Whether mass, gravity and length are parameters of the system.
@@ -84,23 +84,25 @@ def round_family(
     """
     record = FAMILIES[known("family", name, FAMILIES)]
     if record.law and record.law != law.name:
-        own = [f.name for f in FAMILIES.values() if f.law in ("", law.name)]
+        names = [f.name for f in FAMILIES.values() if f.law in ("", law.name)]
         raise NoMemberError(
             f"{name} is a family of the {record.law} contact; steady motions under the {law.name} "
-            f"law are {listed(own)}."
+            f"law are {listed(names)}."
         )
     if theta is not None and not record.level:
         raise ParameterError(f"theta chooses where a body rolls; leave it out for {name}.")
     if pole is not None and not record.pole:
         raise ParameterError(f"pole belongs to vertical spin; leave it out for {name}.")
     if record.pole:
-        near = _near(pole)
-        system = pole_system(body, law, given, physical=physical, near=near, resistance=resistance)
+        near = _pole_sign(pole)
+        system = pole_system(
+            body, law, parameters, physical=physical, near=near, resistance=resistance
+        )
         still = dict(record.held) | {n: 0.0 for n in SLIP if n in system.states}
-        near_numbers = _pairs(_typical(body, record, law, given))
+        near_numbers = _pairs(_typical(body, record, law, parameters))
         return _family(system, record, _pairs(still), (), (), near_numbers, law)  # type: ignore[arg-type]  # a class is hashable
-    system = round_system(body, law, given, physical=physical, resistance=resistance)
-    typical = _typical(body, record, law, given)
+    system = round_system(body, law, parameters, physical=physical, resistance=resistance)
+    typical = _typical(body, record, law, parameters)
     held: dict[str, Any] = {"theta_dot": 0.0} | dict(record.held)
     held |= {n: 0.0 for n in ("slip_x", "slip_y") if n in system.states}
     unknown, edge = dict(record.unknown), sharp(body)
@@ -125,7 +127,7 @@ def round_family(
             unknown, equations = {"theta": first}, ["lever"]
     every = _pairs(held), _pairs(unknown), tuple(equations), _pairs(typical)
     upright = record.level and not unknown  # rational in every number: read from the graph
-    shaped = None if resistance or upright or edge else (shape_of(body), given, physical)
+    shaped = None if resistance or upright or edge else (shape_of(body), parameters, physical)
     return _family(system, record, *every, law, shaped)  # type: ignore[arg-type]  # a class is hashable
 
 
@@ -146,17 +148,17 @@ def _family(  # noqa: PLR0913
     equations: Any,
     typical: Any,
     law: Any,
-    own: Any = None,
+    shaped: Any = None,
 ) -> Family:
     formulas = None
-    if own is not None:
-        shape, given, physical = own
+    if shaped is not None:
+        shape, parameters, physical = shaped
         formulas = closed_form(
             system,
             record.name,
             shape,
             law,
-            given,
+            parameters,
             physical=physical,
             start=dict(unknown).get("theta"),
         )
@@ -174,7 +176,7 @@ def _family(  # noqa: PLR0913
     )
 
 
-def _near(pole: Any) -> int:
+def _pole_sign(pole: Any) -> int:
     """1 for θ = 0, -1 for θ = π."""
     if pole is None or (isinstance(pole, (int, float)) and pole == 0):
         return 1
@@ -186,11 +188,11 @@ def _near(pole: Any) -> int:
 
 
 def _typical(
-    body: RoundShape, record: SteadyFamily, law: type[Contact], given: tuple[str, ...]
+    body: RoundShape, record: SteadyFamily, law: type[Contact], parameters: tuple[str, ...]
 ) -> dict[str, float]:
     """Numbers and an inclination near which the family has members."""
     # slip that creeps decays fast
-    friction = dict.fromkeys(given, 30.0 if law.holds else 0.7)
+    friction = dict.fromkeys(parameters, 30.0 if law.holds else 0.7)
     return friction | {"phi_dot": 1.9, "omega3": 1.3} | sizes(body, rests=record.rests)
 
 
@@ -208,13 +210,13 @@ def body_family(
         raise unknown_family(name, body)
     law: Any = class_named(contact, motion=False) if isinstance(contact, str) else contact
     kind = law_class(law, motion=False)
-    given: Collection[str] = (
+    parameters: Collection[str] = (
         law.given
         if isinstance(law, Contact)
         else {kind.alternatives(p.name)[0]: None for p in kind.parameters}
     )  # one name a coefficient
     return round_family(
-        body, name, kind, tuple(given), physical=not body.dimensionless, theta=theta, pole=pole
+        body, name, kind, tuple(parameters), physical=not body.dimensionless, theta=theta, pole=pole
     )
 
 
@@ -256,7 +258,7 @@ def place_of(body: RoundShape, family: str, theta: float | None, pole: Any) -> f
     if pole is not None and not record.pole:
         raise ParameterError(f"pole belongs to vertical spin; leave it out for {family}.")
     if record.pole:
-        near = _near(pole)
+        near = _pole_sign(pole)
         refuse_rough_pole(body, (near,))
         return 0.0 if near == 1 else math.pi
     if record.upright and not stands_upright(body):

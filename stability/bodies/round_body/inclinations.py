@@ -124,11 +124,11 @@ def _rounded(value: float, digits: int) -> float:
 def _tumbling_at(shape: Shape, numbers: tuple[tuple[str, float], ...]) -> float | None:
     """The middle of the widest interval in which a body tumbles; None where it does not."""
     name, height, moments, words, between = shape
-    known = dict(numbers)
+    table = dict(numbers)
     axial, transverse = (
-        known[n] if m is None else m for n, m in zip(MOMENTS, moments, strict=True)
+        table[n] if m is None else m for n, m in zip(MOMENTS, moments, strict=True)
     )
-    body = Outline(height, axial, transverse, {n: known[n] for n in words}, name, between)
+    body = Outline(height, axial, transverse, {n: table[n] for n in words}, name, between)
     ranges = tumbling_ranges(body)
     if not ranges:
         return None
@@ -191,7 +191,7 @@ def _levels(
     upright = _upright(height, shape, between)
     grid = low + (high - low) * (np.arange(SAMPLES) + 0.5) / SAMPLES
     slopes = slope(grid)
-    found = [math.pi / 2] * upright
+    roots = [math.pi / 2] * upright
     for i in np.flatnonzero(slopes[:-1] * slopes[1:] < 0):
         (a, b), (f, g) = grid[i : i + 2].tolist(), slopes[i : i + 2].tolist()
         if not (upright and a <= math.pi / 2 <= b):
@@ -199,8 +199,8 @@ def _levels(
 
             root = float(brentq(slope, a, b, xtol=1e-15))
             if abs(slope(root)) < 1e-3 * (abs(f) + abs(g)):  # a corner of the height has no zero
-                found.append(root)
-    return tuple(found)
+                roots.append(root)
+    return tuple(roots)
 
 
 def stays_level(body: RoundShape, numbers: Mapping[str, float], at: float) -> bool:
@@ -237,19 +237,19 @@ def level(body: RoundShape, theta: float | None = None) -> float | None:
         If there is none, or there are several and none is meant.
     """
     low, high = body.between
-    found = levels(body)
-    if not found:
+    roots = levels(body)
+    if not roots:
         raise NoMemberError(
             f"{body.name} rolls nowhere: the slope of its height has no zero between "
             f"{low:.6g} and {high:.6g}."
         )
     if theta is not None:
         wanted = one_number("theta", theta)
-        best = min(found, key=lambda t: abs(t - wanted))
-    elif found[0] == math.pi / 2 or len(found) == 1:
-        best = found[0]
+        best = min(roots, key=lambda t: abs(t - wanted))
+    elif roots[0] == math.pi / 2 or len(roots) == 1:
+        best = roots[0]
     else:
-        angles = ", ".join(f"{t:.6g}" for t in found)
+        angles = ", ".join(f"{t:.6g}" for t in roots)
         raise NoMemberError(
             f"{body.name} rolls at theta = {angles}; give theta=, a number near one of them."
         )

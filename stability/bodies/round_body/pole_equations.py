@@ -26,7 +26,7 @@ from ..resistance import Resistance, total_moment
 from .equations import Resistances, with_quantities
 from .height.pole_height import NotSmoothError, height_of_cosine
 from .shape import RoundShape
-from .si_law import Law, Numbers, Shape, shape_of
+from .si_law import BodySymbols, Law, Shape, shape_of
 
 AXIS = ("axis_X", "axis_Y", "axis_Z")
 """Unit vector of the symmetry axis along fixed axes."""
@@ -41,7 +41,7 @@ STRAIN = 1e-9
 def pole_system(
     body: RoundShape,
     law: type[Contact],
-    given: tuple[str, ...],
+    parameters: tuple[str, ...],
     *,
     physical: bool,
     near: int = 0,
@@ -52,7 +52,7 @@ def pole_system(
 
     Parameters
     ----------
-    body, law, given, physical, resistance
+    body, law, parameters, physical, resistance
         As for `round_system`.
     near
         1 or -1 for the chart around θ = 0 or π, whose states leave axis_Z out; 0 for the equations
@@ -81,9 +81,9 @@ def pole_system(
     if law.sticks:
         raise ParameterError(f"the {law.name} law sticks, which has no equations at a pole yet.")
     refuse_rough_pole(body, (near,) if near else (1, -1))
-    _check_even(law, len(given))
+    _check_even(law, len(parameters))
     slips = law.slips or (slip_states and not law.holds)
-    return _system(shape_of(body), law, given, physical, near, resistance, slips)  # type: ignore[arg-type]  # a class is hashable
+    return _system(shape_of(body), law, parameters, physical, near, resistance, slips)  # type: ignore[arg-type]  # a class is hashable
 
 
 def refuse_rough_pole(body: RoundShape, poles: tuple[int, ...]) -> None:
@@ -128,13 +128,15 @@ def smooth_at(body: RoundShape, pole: int) -> bool:
 @lru_cache(maxsize=64)
 def _of_cosine(height: Any, names: tuple[str, ...]) -> ca.Function | None:
     """A height with its two slopes by cos θ, built once; None where it is no function of it."""
-    c, own = ca.SX.sym("c"), [ca.SX.sym(n) for n in names]
+    c, symbols = ca.SX.sym("c"), [ca.SX.sym(n) for n in names]
     try:
-        f = height_of_cosine(height, c, own)
+        f = height_of_cosine(height, c, symbols)
     except NotSmoothError:
         return None
     slope = ca.jacobian(f, c)
-    return ca.Function("f", [c, *own], [ca.densify(ca.vertcat(f, slope, ca.jacobian(slope, c)))])
+    return ca.Function(
+        "f", [c, *symbols], [ca.densify(ca.vertcat(f, slope, ca.jacobian(slope, c)))]
+    )
 
 
 def _check_even(law: type[Contact], count: int) -> None:
@@ -159,14 +161,16 @@ def _check_even(law: type[Contact], count: int) -> None:
 def _system(  # noqa: PLR0913
     shape: Shape,
     law: type[Contact],
-    given: tuple[str, ...],
+    parameters: tuple[str, ...],
     physical: bool,
     near: int,  # noqa: FBT001
     resistance: Resistances,
     slips: bool,  # noqa: FBT001
 ) -> System:
     name, height, *_ = shape
-    numbers = Numbers.of(shape, (*given, *(r.coefficient for r in resistance)), physical=physical)
+    numbers = BodySymbols.of(
+        shape, (*parameters, *(r.coefficient for r in resistance)), physical=physical
+    )
     axis = AXIS[:2] if near else AXIS
     states = (*axis, *TURN, *(SLIP if slips else ()))
     x = ca.SX.sym("x", len(states))
@@ -177,8 +181,8 @@ def _system(  # noqa: PLR0913
         ca.vertcat(x[0], x[1], up),
         x[len(axis) : len(axis) + 3],
         x[len(axis) + 3 :],
-        (cosine, height_of_cosine(height, cosine, numbers.own)),
-        Law(law, numbers.table, given),
+        (cosine, height_of_cosine(height, cosine, numbers.shape_symbols)),
+        Law(law, numbers.table, parameters),
         numbers.table,
     )
     body.against = [(r, numbers.table[r.coefficient]) for r in resistance]
@@ -215,9 +219,9 @@ def rough_at_pole(shape: Shape, resistance: Resistances) -> System:
 @lru_cache(maxsize=32)
 def held_at_pole(shape: Shape, resistance: Resistances) -> tuple[Program, Program]:
     """A body held to a slip along fixed axes, dimensionless: see `held_programs`."""
-    numbers = Numbers.of(shape, [r.coefficient for r in resistance], physical=False)
+    numbers = BodySymbols.of(shape, [r.coefficient for r in resistance], physical=False)
     x, cosine = ca.SX.sym("x", 6), ca.SX.sym("c")
-    height = cosine, height_of_cosine(shape[1], cosine, numbers.own)
+    height = cosine, height_of_cosine(shape[1], cosine, numbers.shape_symbols)
     law = Law(Rough, numbers.table, ())
     body = PoleBody(x[:3], x[3:], STATED, height, law, numbers.table)
     body.against = [(r, numbers.table[r.coefficient]) for r in resistance]
@@ -280,8 +284,10 @@ class PoleBody:
     def response(self, torque: ca.SX) -> ca.SX:
         """ω̇ of a torque: the inverse of the inertia."""
         along = ca.dot(torque, self.axis)
-        found: ca.SX = torque / self.across + (1 / self.along - 1 / self.across) * along * self.axis
-        return found
+        acceleration: ca.SX = (
+            torque / self.across + (1 / self.along - 1 / self.across) * along * self.axis
+        )
+        return acceleration
 
     def moment(self, normal: Any) -> ca.SX:
         """Moment of all resistances along fixed axes."""
@@ -317,14 +323,14 @@ class PoleBody:
         rest = ca.substitute(stated, normal, 0)
         moment = self.moment(normal)
         pushed, still = ca.jacobian(moment, normal), ca.substitute(moment, normal, 0)
-        one = self.response(ca.cross(self.point, ca.vertcat(part, 1)) + pushed)
+        unit_response = self.response(ca.cross(self.point, ca.vertcat(part, 1)) + pushed)
         free = self.response(ca.cross(self.point, ca.vertcat(rest, 0)) + still - self.gyro)
         rise = self.moving[2]
         lift = ca.cross(self.turn, self.moving)[2] + ca.cross(free, self.axis)[2]
         weight = self.law.weight + self.mass * (self.f1 * lift + self.f2 * rise * rise)
-        pivot = 1 - self.mass * self.f1 * ca.cross(one, self.axis)[2]
+        pivot = 1 - self.mass * self.f1 * ca.cross(unit_response, self.axis)[2]
         value = weight / pivot
-        turning = free + value * one
+        turning = free + value * unit_response
         return turning, rest + value * part, value, pivot * self.across / self.square
 
     def held(self, slip_rate: Any = (0, 0)) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
@@ -339,15 +345,15 @@ class PoleBody:
         inertia = self.across * ca.SX.eye(3) + (self.along - self.across) * e @ e.T
         inertia += self.mass * (ca.sumsqr(a) * ca.SX.eye(3) - a @ a.T)
         swing = ca.cross(self.turn, self.drift) - ca.vertcat(slip_rate[0], slip_rate[1], 0)
-        known = ca.cross(a, self.law.weight * self.z - self.mass * swing) - self.gyro
+        right = ca.cross(a, self.law.weight * self.z - self.mass * swing) - self.gyro
         if self.against:  # N = m g - m (ω̇×a + ω×ȧ)·Ẑ
             normal = ca.SX.sym("normal")
             moment = self.moment(normal)
             pushed = ca.densify(ca.jacobian(moment, normal))
-            known += ca.substitute(moment, normal, self.law.weight - self.mass * swing[2])
+            right += ca.substitute(moment, normal, self.law.weight - self.mass * swing[2])
             inertia += self.mass * pushed @ ca.horzcat(a[1], -a[0], 0)
-        found, pivots = eliminate(ca.densify(inertia), known, [(0, 0), (1, 1), (2, 2)])
-        turning = ca.vertcat(*found)
+        solution, pivots = eliminate(ca.densify(inertia), right, [(0, 0), (1, 1), (2, 2)])
+        turning = ca.vertcat(*solution)
         force = self.law.weight * self.z - self.mass * (ca.cross(turning, a) + swing)
         scale = pivots[0] * pivots[1] * pivots[2] / self.square**3
         return turning, force[:2], force[2], scale

@@ -23,12 +23,12 @@ from ...systems.closed_form import ClosedForm, ImplicitForm
 from ...systems.system import System
 from ..contact_laws import Contact, LinearViscous, Rough, Smooth, Viscous
 from ..disk_polynomials import stored_cases
-from ..explicit import Surface, surface
+from ..explicit import ContactGeometry, surface
 from ..families import tumbling
 from .equations import conditions_along
-from .height.expression import Expression
+from .height.expression import ShapeFunction
 from .height.pole_height import height_of_angle
-from .si_law import Numbers, Shape
+from .si_law import BodySymbols, Shape
 
 DATA = "body_polynomials.json"
 """The file of derived polynomials, next to this module."""
@@ -65,7 +65,7 @@ def closed_form(
     name: str,
     shape: Shape,
     law: type[Contact],
-    given: Sequence[str],
+    parameters: Sequence[str],
     *,
     physical: bool,
     start: float | None = None,
@@ -80,7 +80,7 @@ def closed_form(
         Name of the family.
     shape
         From `stability.bodies.round_body.si_law.shape_of`.
-    law, given
+    law, parameters
         Class of the law, and names of its coefficients.
     physical
         Whether mass, gravity and length are parameters.
@@ -92,12 +92,12 @@ def closed_form(
         None
         if record is None
         else _Formulas(system, name, record).of(
-            shape, Numbers.of(shape, given, physical=physical), law, given, start
+            shape, BodySymbols.of(shape, parameters, physical=physical), law, parameters, start
         )
     )
 
 
-def _waves(height: Expression) -> int:
+def _waves(height: ShapeFunction) -> int:
     """Number of sines and cosines in a height."""
     return sum(code in (ca.OP_SIN, ca.OP_COS) for code in operations(height.function))
 
@@ -113,18 +113,18 @@ class _Formulas:
     def of(
         self,
         shape: Shape,
-        numbers: Numbers,
+        numbers: BodySymbols,
         law: type[Contact],
-        given: Sequence[str],
+        parameters: Sequence[str],
         start: float | None,
     ) -> ClosedForm:
         """The closed form of one body under one law."""
         table, theta = numbers.table, self.theta
         rate = table["gravity"] / table["length"]  # square of the unit of rates
-        level = ca.SX(height_of_angle(shape[1], theta, numbers.own))
-        h = self._series(shape[1], numbers.own) if _waves(shape[1]) > FEW else level
-        body = surface(theta, h, *(self._kept(table[n]) for n in ("transverse", "axial")))
-        known = {
+        level = ca.SX(height_of_angle(shape[1], theta, numbers.shape_symbols))
+        h = self._series(shape[1], numbers.shape_symbols) if _waves(shape[1]) > FEW else level
+        body = surface(theta, h, *(self._as_symbol(table[n]) for n in ("transverse", "axial")))
+        variables = {
             "I1": body.transverse,
             "I3": body.axial,
             "s": body.sine,
@@ -137,8 +137,8 @@ class _Formulas:
         }
         turn = self.turn / ca.sqrt(rate)
         unknowns, positive = self._member(body, turn)
-        known |= {"mu": self._drag(table, given)} | unknowns
-        powers = [self._value(terms, known) for terms in self.record["coefficients"]]
+        variables |= {"mu": self._drag(table, parameters)} | unknowns
+        powers = [self._value(terms, variables) for terms in self.record["coefficients"]]
         scaled = [
             p / ca.sqrt(rate) ** k if k % 2 else p / rate ** (k // 2) for k, p in enumerate(powers)
         ]
@@ -153,7 +153,7 @@ class _Formulas:
             }
             free = {"theta": theta, "phi_dot": self.turn} | solved
         state = ca.vertcat(*[free.get(n, 0) for n in self.system.states])
-        within = self._conditions(shape, law, given, numbers, h, state)
+        within = self._conditions(shape, law, parameters, numbers, h, state)
         members = ca.vertcat(within, *positive)
         places = {"tumbling": [theta], "rolling": [self.turn, theta]}
         at = places.get(self.name, [theta, self.turn])
@@ -173,8 +173,8 @@ class _Formulas:
         self,
         shape: Shape,
         law: type[Contact],
-        given: Sequence[str],
-        numbers: Numbers,
+        parameters: Sequence[str],
+        numbers: BodySymbols,
         h: ca.SX,
         state: ca.SX,
     ) -> ca.SX:
@@ -182,30 +182,30 @@ class _Formulas:
         x, p = self.system.x, self.system.p
         if _waves(shape[1]) > FEW:
             p, along = numbers.p, ca.substitute([h], [self.theta], [x[0]])[0]
-            asked = conditions_along(shape, law, given, numbers, x, along)
+            asked = conditions_along(shape, law, parameters, numbers, x, along)
         else:
             asked = ca.vertcat(*[c.value for c in self.system.conditions])
         here = [ca.densify(state), ca.densify(numbers.p)]
         return ca.SX(ca.substitute([asked], [x, p], here)[0])
 
-    def _series(self, height: Expression, own: Sequence[ca.SX]) -> ca.SX:
+    def _series(self, height: ShapeFunction, symbols: Sequence[ca.SX]) -> ca.SX:
         """A height of many waves as it is given: each of a wide interval is within [-1, 1].
 
         By the recurrence of `height_of_angle` enclosures grow with a power of the number of waves.
         """
         functions = casadi_algebra().functions
-        kept = Algebra("kept", self._kept, functions, lasting=False)
-        [[found]] = Program(height.function).run(kept, [[self.theta], *([n] for n in own)])
-        return ca.SX(found)
+        kept = Algebra("kept", self._as_symbol, functions, lasting=False)
+        [[series]] = Program(height.function).run(kept, [[self.theta], *([n] for n in symbols)])
+        return ca.SX(series)
 
-    def _kept(self, number: Any) -> ca.SX:
+    def _as_symbol(self, number: Any) -> ca.SX:
         """A number of many digits as a symbol: CasADi would round its products."""
         if not ca.SX(number).is_constant():
             return ca.SX(number)
         self.constants.append((ca.SX.sym(f"c{len(self.constants)}"), float(number)))
         return self.constants[-1][0]
 
-    def _member(self, body: Surface, turn: ca.SX) -> tuple[dict[str, ca.SX], list[ca.SX]]:
+    def _member(self, body: ContactGeometry, turn: ca.SX) -> tuple[dict[str, ca.SX], list[ca.SX]]:
         """φ̇ and ω₃ without unit, and numbers that are positive at every member."""
         h, slope, _, r, z, s, c, i1, i3 = body
         if self.name == "rolling":
@@ -221,13 +221,13 @@ class _Formulas:
         turn = ca.sqrt(square)
         return {"phi_dot": turn, "omega3": turn * share}, [square]
 
-    def _value(self, terms: Sequence[Sequence[int]], known: Mapping[str, Any]) -> ca.SX:
+    def _value(self, terms: Sequence[Sequence[int]], variables: Mapping[str, Any]) -> ca.SX:
         """A coefficient, with what θ alone decides innermost: one row of a map computes it once."""
-        found = tuple((c, tuple(powers)) for c, *powers in terms)
-        return ca.SX(Polynomial(tuple(self.record["variables"]), found).factored(known, OUTER))
+        rows = tuple((c, tuple(powers)) for c, *powers in terms)
+        return ca.SX(Polynomial(tuple(self.record["variables"]), rows).factored(variables, OUTER))
 
-    def _drag(self, table: Mapping[str, Any], given: Sequence[str]) -> Any:
+    def _drag(self, table: Mapping[str, Any], parameters: Sequence[str]) -> Any:
         """The friction coefficient without unit."""
-        if "c" in given:
+        if "c" in parameters:
             return table["c"] / table["mass"] * ca.sqrt(table["length"] / table["gravity"])
-        return table["mu"] * ca.sqrt(table["gravity"] * table["length"]) if given else 0
+        return table["mu"] * ca.sqrt(table["gravity"] * table["length"]) if parameters else 0

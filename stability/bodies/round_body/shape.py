@@ -17,7 +17,7 @@ from ...base.errors import NameUnknownError, ParameterError, shown
 from ...base.quantities import ONE
 from ...base.types import Record
 from ..newton_euler import STATES
-from .height.expression import Expression
+from .height.expression import ShapeFunction
 
 SCALES = ("mass", "gravity", "length")
 """Dimensional quantities of a body."""
@@ -140,7 +140,7 @@ class RoundShape(Record):
     def given(self) -> dict[str, Any]:
         """Every number of the body by name: scales, shape, and moments that are numbers."""
         moments = {n: getattr(self, n) for n in MOMENTS}
-        moments = {n: v for n, v in moments.items() if not isinstance(v, Expression)}
+        moments = {n: v for n, v in moments.items() if not isinstance(v, ShapeFunction)}
         return {n: getattr(self, n) for n in SCALES} | dict(self.shape) | moments
 
     @property
@@ -150,13 +150,13 @@ class RoundShape(Record):
 
     def moments(self) -> tuple[Any, Any]:
         """Axial and transverse moment of inertia over m·length² [-]."""
-        found = []
+        moments = []
         for name in MOMENTS:
             value = getattr(self, name)
-            if isinstance(value, Expression):
+            if isinstance(value, ShapeFunction):
                 value = self.array(value.function, *self.shape.values())
-            found.append(value)
-        return found[0], found[1]
+            moments.append(value)
+        return moments[0], moments[1]
 
     def height_at(self, theta: Any, slope: int = 0) -> Any:
         """Height over `length` at inclinations, or a slope of it.
@@ -179,8 +179,8 @@ class RoundShape(Record):
         )
         if not arrays:
             return float(function.call([])[0])
-        found = function(*[a.reshape(1, -1) for a in arrays]).full()
-        return found.reshape(arrays[0].shape) if arrays[0].ndim else float(found[0, 0])
+        outputs = function(*[a.reshape(1, -1) for a in arrays]).full()
+        return outputs.reshape(arrays[0].shape) if arrays[0].ndim else float(outputs[0, 0])
 
     def slopes(self) -> list[ca.Function]:
         """h, h' and h'' as functions of θ and the numbers of the shape."""
@@ -194,12 +194,12 @@ class RoundShape(Record):
         theta
             Inclinations that broadcast with the numbers of the shape [rad].
         """
-        own = {n: np.asarray(v, dtype=float) for n, v in self.shape.items()}
-        arrays = {"theta": real_numbers("theta", theta)} | own
+        numbers = {n: np.asarray(v, dtype=float) for n, v in self.shape.items()}
+        arrays = {"theta": real_numbers("theta", theta)} | numbers
         shape = broadcast(**{n: v.shape for n, v in arrays.items()})
         values = [v if v.ndim else np.float64(v) for v in arrays.values()]
-        found = _program(self.height, tuple(self.shape)).arrays([[v] for v in values], shape)
-        return [v[..., 0, 0] if shape else float(v[0, 0]) for v in found]
+        outputs = _program(self.height, tuple(self.shape)).arrays([[v] for v in values], shape)
+        return [v[..., 0, 0] if shape else float(v[0, 0]) for v in outputs]
 
 
 @dataclass(frozen=True, eq=False)
@@ -224,18 +224,18 @@ def sharp(body: RoundShape) -> bool:
 
 @lru_cache(maxsize=64)
 def _sharp(height: Callable[..., Any], names: tuple[str, ...]) -> bool:
-    theta, *own = (ca.SX.sym(n) for n in ("theta", *names))
-    return bool(ca.is_equal(ca.SX(height(theta, *own)), ca.sin(theta), 1))
+    theta, *symbols = (ca.SX.sym(n) for n in ("theta", *names))
+    return bool(ca.is_equal(ca.SX(height(theta, *symbols)), ca.sin(theta), 1))
 
 
 @lru_cache(maxsize=64)
 def _slopes(height: Callable[..., Any], names: tuple[str, ...]) -> list[ca.Function]:
     """h, h' and h'' of a height, built once."""
-    theta, *own = (ca.SX.sym(n) for n in ("theta", *names))
-    values = [ca.SX(height(theta, *own))]
+    theta, *symbols = (ca.SX.sym(n) for n in ("theta", *names))
+    values = [ca.SX(height(theta, *symbols))]
     for _ in range(2):
         values.append(ca.jacobian(values[-1], theta))
-    return [ca.Function("h", [theta, *own], [ca.densify(v)]) for v in values]
+    return [ca.Function("h", [theta, *symbols], [ca.densify(v)]) for v in values]
 
 
 @lru_cache(maxsize=64)

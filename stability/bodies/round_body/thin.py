@@ -17,13 +17,13 @@ from ..disk import Disk
 from ..model import Model
 from ..momenta import momenta_model
 from ..quantities import QUANTITIES, THIN
-from .height.expression import Expression, expression
+from .height.expression import ShapeFunction, expression
 from .shape import Outline, RoundShape
 from .si_law import Shape, shape_of
 
 
 @lru_cache(maxsize=1)
-def _height_and_moments() -> tuple[Expression, Expression, Expression]:
+def _height_and_moments() -> tuple[ShapeFunction, ShapeFunction, ShapeFunction]:
     return (
         expression("height", lambda theta, k: ca.sin(theta) + 0 * k, ["theta", "k"], 1),
         expression("axial", lambda k: 2 * k, ["k"]),

@@ -55,27 +55,27 @@ class Watched:
 def watched(tower: Tower, budget: Budget) -> list[Watched]:
     """Every polynomial whose zeros on the branch may end a piece of constant verdict."""
     form = tower.polynomial.factored
-    found: list[tuple[str, Any]] = [
+    conditions: list[tuple[str, Any]] = [
         ("crossed" if p in form.crossed else "pole", p) for p in form.nonzero
     ]
-    found += [("end", p) for p, _ in form.required]
+    conditions += [("end", p) for p, _ in form.required]
     for a, _ in form.factors:
-        found.append(("pole", a[-1]))
-        found += critical(
+        conditions.append(("pole", a[-1]))
+        conditions += critical(
             a,
             lambda p: hurwitz_determinants(p, budget)[-1],
             lambda q: subdiscriminants(q, budget)[-1],
         )
     for level in tower.levels:
-        if level.own is not None:
+        if level.equation is not None:
             # √ is the larger root on both sides, so nothing meets where its argument vanishes
             root = tower.polynomial.field.meaning.get(form.indices[level.place], ("",))[0]
             kind = "kink" if root == "sqrt" else "fold"
-            found.append((kind, level.own.derivative(level.place)))
-            parts = by_power(level.own, level.place)
-            found.append(("fold", parts[max(parts)]))
+            conditions.append((kind, level.equation.derivative(level.place)))
+            parts = by_power(level.equation, level.place)
+            conditions.append(("fold", parts[max(parts)]))
     out: dict[tuple[str, str], Watched] = {}
-    for kind, poly in found:
+    for kind, poly in conditions:
         for factor, _ in factors(_reduced(tower, poly))[1]:
             out[kind, str(factor)] = Watched(kind, factor, tower.image(factor))
     return list(out.values())
@@ -95,21 +95,21 @@ def critical(
         discriminant of q, up to powers of the leading coefficient.
     """
     n = len(a) - 1
-    found, even = [("static", a[0])], is_even(a)
+    conditions, even = [("static", a[0])], is_even(a)
     if even and n > 2:
-        found.append(("flutter", meeting(a[::2])))
+        conditions.append(("flutter", meeting(a[::2])))
     if not even and n > 1:
-        found.append(("flutter", pair(a)))
-    return found
+        conditions.append(("flutter", pair(a)))
+    return conditions
 
 
 def _reduced(tower: Tower, poly: Any) -> Any:
     """A polynomial modulo relations whose leading coefficient is a number."""
     for level in tower.levels:
-        if level.own is not None and level.place in occurring(poly):
-            parts = by_power(level.own, level.place)
+        if level.equation is not None and level.place in occurring(poly):
+            parts = by_power(level.equation, level.place)
             if parts[max(parts)].is_constant():
-                poly = remainder(poly, level.own, level.place)[0]
+                poly = remainder(poly, level.equation, level.place)[0]
     if poly == 0:
         raise NotExact("a condition vanishes all along the axis")
     return poly
@@ -281,9 +281,9 @@ class Candidates:
         self.high: Any = None if ends[1] is None else arb(ends[1])
         self._norms: dict[str, tuple[Any, list[Watched]]] = {}
         self._known: dict[tuple[str, int], list[tuple[Any, Any]]] = {}
-        for norm, one in norms:
-            self._norms.setdefault(str(norm), (norm, []))[1].append(one)
-        self.found = self._separated(bits)
+        for norm, watched in norms:
+            self._norms.setdefault(str(norm), (norm, []))[1].append(watched)
+        self.ordered = self._separated(bits)
         """Candidates in increasing order, some of them a little beyond the interval."""
 
     def _values(self, norm: Any) -> list[tuple[Any, Any]]:
@@ -305,30 +305,30 @@ class Candidates:
         while bits <= MOST_BITS:
             with precision(bits):
                 try:
-                    found, self.bits = self._all(), bits
-                    return found
+                    candidates, self.bits = self._all(), bits
+                    return candidates
                 except UnclearError:
                     bits *= 2
         raise UnclearError("candidates could not be separated")
 
     def _all(self) -> list[Candidate]:
-        found = [
+        candidates = [
             Candidate(value, root, norm, tuple(some))
             for norm, some in self._norms.values()
             for value, root in self._values(norm)
         ]
-        if len(found) > MOST_CANDIDATES:
-            raise NotExact(f"there are {len(found)} candidates, more than {MOST_CANDIDATES}")
-        found.sort(key=lambda c: c.value.mid())
-        for one, other in zip(found[:-1], found[1:], strict=True):
-            if not one.value < other.value:
+        if len(candidates) > MOST_CANDIDATES:
+            raise NotExact(f"there are {len(candidates)} candidates, more than {MOST_CANDIDATES}")
+        candidates.sort(key=lambda c: c.value.mid())
+        for lower, upper in zip(candidates[:-1], candidates[1:], strict=True):
+            if not lower.value < upper.value:
                 raise UnclearError
-        return found
+        return candidates
 
     @cached_property
     def fence(self) -> list[Any]:
         """Ends of the pieces between candidates; next to one at an end of the interval, beyond."""
-        values = [c.value for c in self.found]
+        values = [c.value for c in self.ordered]
         if not values:
             return [self.low, self.high]
         first, last = values[0], values[-1]
@@ -345,12 +345,12 @@ class Candidates:
             return 2 + abs(value)
         return (self.high - self.low) / BEYOND
 
-    def inside(self, one: Candidate) -> bool:
+    def inside(self, candidate: Candidate) -> bool:
         """Whether a candidate may lie in the closed interval."""
-        under = self.low is not None and one.value < self.low
-        return not under and not (self.high is not None and one.value > self.high)
+        under = self.low is not None and candidate.value < self.low
+        return not under and not (self.high is not None and candidate.value > self.high)
 
-    def refined(self, one: Candidate, bits: int) -> Any:
+    def refined(self, candidate: Candidate, bits: int) -> Any:
         """The value of a candidate at another precision.
 
         Raises
@@ -359,7 +359,7 @@ class Candidates:
             If the value is not found again.
         """
         with precision(bits):
-            same = [x for x, _ in self._values(one.norm) if x.overlaps(one.value)]
+            same = [x for x, _ in self._values(candidate.norm) if x.overlaps(candidate.value)]
         if len(same) != 1:
             raise UnclearError
         return same[0]

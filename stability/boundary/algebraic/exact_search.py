@@ -31,7 +31,7 @@ from ..brackets import (
 )
 from ..interval_search.pieces import BRANCH
 from .candidates import Candidate, Watched
-from .members import OPEN, Branch, Cell, Members
+from .members import OPEN, AxisMembers, BranchMembers, CandidateCell
 from .one_variable import of_exact, of_family
 from .tower import AxisPolynomial, Tower
 
@@ -61,7 +61,7 @@ def members_along(
     digits: int = DIGITS,
     *,
     every: bool = False,
-) -> Members:
+) -> AxisMembers:
     """The members along an axis, with every candidate for a change of their verdict.
 
     Parameters
@@ -108,10 +108,10 @@ def members_along(
     zeros = structure(family)
     if not zeros.steady:
         raise NotExact("a rate does not vanish at typical members")
-    known = polynomial.factored.zeros
-    if known < zeros.zeros:
+    proved = polynomial.factored.zeros
+    if proved < zeros.zeros:
         raise NotExact("zeros by structure are not proved")
-    return Branch(line, Tower(polynomial), budget, extra=known > zeros.zeros)
+    return BranchMembers(line, Tower(polynomial), budget, extra=proved > zeros.zeros)
 
 
 def _coefficients(entry: Expression) -> list[Any]:
@@ -135,7 +135,7 @@ class Judge:
     what = "the verdict"
     """What is compared on both sides of a candidate."""
 
-    def __init__(self, line: AxisScan, members: Members, low: float, high: float) -> None:
+    def __init__(self, line: AxisScan, members: AxisMembers, low: float, high: float) -> None:
         self.line, self.members, self.low, self.high = line, members, low, high
         self.name = line.problem.family.name
         self.points: list[BoundaryPoint] = []
@@ -148,7 +148,7 @@ class Judge:
         left = tuple(tidy(self.left))
         return Boundaries(tuple(self.points), left, tuple(self.touching), self.members.how)
 
-    def side(self, cell: Cell) -> Any:
+    def side(self, cell: CandidateCell) -> Any:
         """What is proved of the members in a piece; None for nothing."""
         return cell.look.sign or None
 
@@ -165,32 +165,36 @@ class Judge:
             for low, high, reason in cell.doubts if inside else ():
                 self.leave(low, high, reason)
         changes = [
-            (one, below, above)
-            for one, below, above in self.members.between()
-            if candidates.inside(one) and self._judged(one, below, above)
+            (candidate, below, above)
+            for candidate, below, above in self.members.between()
+            if candidates.inside(candidate) and self._judged(candidate, below, above)
         ]
         for i, change in enumerate(changes):
             others = [c[0].value for j, c in enumerate(changes) if abs(i - j) == 1]
             self.change(*change, others)
 
-    def _judged(self, one: Candidate, below: Cell, above: Cell) -> bool:
+    def _judged(self, candidate: Candidate, below: CandidateCell, above: CandidateCell) -> bool:
         """Whether the verdict changes at a candidate; anything else is recorded."""
         sides = self.side(below), self.side(above)
         if None in sides:
-            if not self._closed(one, below, above):
-                self.leave_at(one, (above if sides[0] else below).look.reason or OPEN)
+            if not self._closed(candidate, below, above):
+                self.leave_at(candidate, (above if sides[0] else below).look.reason or OPEN)
             return False
-        kept = self.members.vanishing(one)
-        ending = {w.kind for w in (one.watched if kept is None else kept)} & {"fold", "pole", "end"}
+        kept = self.members.vanishing(candidate)
+        ending = {w.kind for w in (candidate.watched if kept is None else kept)} & {
+            "fold",
+            "pole",
+            "end",
+        }
         if kept is None or ending:
-            self.leave_at(one, self._event(ending, same=sides[0] == sides[1]))
+            self.leave_at(candidate, self._event(ending, same=sides[0] == sides[1]))
             return False
-        if not self.members.joined(one, below, above):
+        if not self.members.joined(candidate, below, above):
             self.leave(arb(below.place), arb(above.place), BRANCH)
             return False
         kept = [w for w in kept if w.kind != "kink"]
         if sides[0] == sides[1] and kept:
-            self.single(one, kept, below, above)
+            self.single(candidate, kept, below, above)
         return bool(sides[0] != sides[1])
 
     def _event(self, kinds: set[str], *, same: bool) -> str:
@@ -202,54 +206,58 @@ class Judge:
         has = "has" if self.members.exact else "may have"
         return POLE.format(family=self.name, has=has, what=self.what, said=said)
 
-    def _closed(self, one: Candidate, below: Cell, above: Cell) -> bool:
+    def _closed(self, candidate: Candidate, below: CandidateCell, above: CandidateCell) -> bool:
         """Whether the member at an end has the verdict of those inside; beyond there is none."""
         for end, inner in ((self.low, above), (self.high, below)):
-            if one.value == arb(end) and inner.look.sign:
+            if candidate.value == arb(end) and inner.look.sign:
                 with suppress(StabilityError):
                     return self.line.sign(end) == inner.look.sign
         return False
 
-    def single(self, one: Candidate, kept: list[Watched], below: Cell, above: Cell) -> None:
+    def single(
+        self, candidate: Candidate, kept: list[Watched], below: CandidateCell, above: CandidateCell
+    ) -> None:
         """A candidate between members that are alike."""
         sign = below.look.sign
         if sign > 0:
             if not self.members.dissipative:
                 return  # neutral on both sides too
             # the limit of stable motions with an eigenvalue on the axis is neutral
-            unstable = False if self.members.meets(one, kept, below, above) else None
+            unstable = False if self.members.meets(candidate, kept, below, above) else None
         else:
-            unstable = self.members.unstable(one)
+            unstable = self.members.unstable(candidate)
         if unstable is None:
             sides = "stable" if sign > 0 else "unstable"
-            self.leave_at(one, HERE.format(family=self.name, sides=sides))
+            self.leave_at(candidate, HERE.format(family=self.name, sides=sides))
         elif not unstable:
-            self.touching.append(float(one.value.mid()))
+            self.touching.append(float(candidate.value.mid()))
 
-    def change(self, one: Candidate, below: Cell, above: Cell, others: list[Any]) -> None:
+    def change(
+        self, candidate: Candidate, below: CandidateCell, above: CandidateCell, others: list[Any]
+    ) -> None:
         """A change of verdict as a proved bracket."""
-        root = self.root(one)
-        room = min((float(abs(v - one.value).mid()) for v in others), default=math.inf)
+        root = self.root(candidate)
+        room = min((float(abs(v - candidate.value).mid()) for v in others), default=math.inf)
         proof = bracket(lambda v: self.members.sign(v, above if v > root else below), root, room)
         if proof is None:
-            self.leave(one.value, one.value, LATE)
+            self.leave(candidate.value, candidate.value, LATE)
             return
-        kept = self.members.vanishing(one) or list(one.watched)
+        kept = self.members.vanishing(candidate) or list(candidate.watched)
         static = any(w.kind == "static" for w in kept)
         crossing = Crossing.STATIC if static else Crossing.FLUTTER
-        rate = 0.0 if static else self.members.rate(one, root)
+        rate = 0.0 if static else self.members.rate(candidate, root)
         self.points.append(BoundaryPoint(root, proof[0], crossing, rate, proof[1]))
 
-    def root(self, one: Candidate) -> float:
+    def root(self, candidate: Candidate) -> float:
         """The double next to a candidate, in the interval."""
-        return min(max(float(one.value.mid()), self.low), self.high)
+        return min(max(float(candidate.value.mid()), self.low), self.high)
 
-    def leave_at(self, one: Candidate, reason: str) -> None:
+    def leave_at(self, candidate: Candidate, reason: str) -> None:
         """Leave a candidate open: one double where the search is exact."""
         if not self.members.exact:
-            self.leave(one.value, one.value, reason)
+            self.leave(candidate.value, candidate.value, reason)
             return
-        value = float(one.value.mid())
+        value = float(candidate.value.mid())
         self.left.append(Unresolved(value, value, f"{reason}."))
 
     def leave(self, low: Any, high: Any, reason: str) -> None:

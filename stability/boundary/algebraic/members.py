@@ -65,7 +65,7 @@ JUMP = (
 
 
 @dataclass(frozen=True)
-class Look:
+class AxisVerdict:
     """What is proved at one value of the axis."""
 
     sign: int
@@ -77,7 +77,7 @@ class Look:
 
 
 @dataclass(frozen=True)
-class Cell:
+class CandidateCell:
     """A piece between neighbouring candidates."""
 
     low: Any
@@ -86,7 +86,7 @@ class Cell:
     """Ball of its high end."""
     place: float
     """Number at which its member was examined, or next to it."""
-    look: Look
+    look: AxisVerdict
     """What is proved there."""
     doubts: tuple[tuple[Any, Any, str], ...] = ()
     """Parts (low, high, reason) in which the root-finder gives other members, or none."""
@@ -94,7 +94,7 @@ class Cell:
     """Rational value of the base variable, where the verdict is exact there."""
 
 
-class Members(ABC):
+class AxisMembers(ABC):
     """The members along an axis, with every candidate for a change of their verdict."""
 
     line: AxisScan
@@ -114,52 +114,54 @@ class Members(ABC):
     """Values at which there is no member."""
 
     @cached_property
-    def cells(self) -> list[Cell]:
+    def cells(self) -> list[CandidateCell]:
         """The piece below each candidate, and the last one above them all."""
         return [self.cell(low, high) for low, high in pairwise(self.candidates.fence)]
 
-    def between(self) -> Iterator[tuple[Candidate, Cell, Cell]]:
+    def between(self) -> Iterator[tuple[Candidate, CandidateCell, CandidateCell]]:
         """Each candidate with the pieces below and above."""
-        if self.candidates.found:
-            yield from zip(self.candidates.found, self.cells, self.cells[1:], strict=False)
+        if self.candidates.ordered:
+            yield from zip(self.candidates.ordered, self.cells, self.cells[1:], strict=False)
 
     @abstractmethod
-    def cell(self, low: Any, high: Any) -> Cell:
+    def cell(self, low: Any, high: Any) -> CandidateCell:
         """What is proved between two neighbouring candidates, or a candidate and an end."""
 
     @abstractmethod
-    def unstable_in(self, cell: Cell) -> list[int] | None:
+    def unstable_in(self, cell: CandidateCell) -> list[int] | None:
         """Number of unstable eigenvalues of each factor in a piece; None where not proved."""
 
     @abstractmethod
-    def holds(self, value: float, cell: Cell) -> bool:
+    def holds(self, value: float, cell: CandidateCell) -> bool:
         """Whether the member at a number in a piece is proved to be that of the piece."""
 
     @abstractmethod
-    def factors_at(self, one: Candidate) -> list[tuple[list[Any], int]]:
+    def factors_at(self, candidate: Candidate) -> list[tuple[list[Any], int]]:
         """Factors in balls at a candidate, each with its power."""
 
     @abstractmethod
-    def vanishing(self, one: Candidate) -> list[Watched] | None:
+    def vanishing(self, candidate: Candidate) -> list[Watched] | None:
         """Polynomials that are not proved to differ from zero; None without a member."""
 
     @abstractmethod
-    def joined(self, one: Candidate, below: Cell, above: Cell) -> bool:
+    def joined(self, candidate: Candidate, below: CandidateCell, above: CandidateCell) -> bool:
         """Whether the members on both sides of a candidate lie on one branch through it."""
 
     @abstractmethod
-    def meets(self, one: Candidate, kept: list[Watched], below: Cell, above: Cell) -> bool:
+    def meets(
+        self, candidate: Candidate, kept: list[Watched], below: CandidateCell, above: CandidateCell
+    ) -> bool:
         """Whether one of some polynomials is proved to vanish at a candidate."""
 
     @abstractmethod
-    def unstable(self, one: Candidate) -> bool | None:
+    def unstable(self, candidate: Candidate) -> bool | None:
         """Whether the member at a candidate is unstable; None where this is not proved."""
 
     @abstractmethod
-    def sign(self, value: float, cell: Cell) -> int:
+    def sign(self, value: float, cell: CandidateCell) -> int:
         """The proved verdict at a number in a piece; 0 where none is proved."""
 
-    def rate(self, one: Candidate, root: float) -> float:  # noqa: ARG002
+    def rate(self, candidate: Candidate, root: float) -> float:  # noqa: ARG002
         """|Im λ| of the pair that meets the imaginary axis at a candidate."""
         return crossing_rate(self.line, root, Crossing.FLUTTER)
 
@@ -188,7 +190,7 @@ def growing(polys: Sequence[Any], balls: list[Any], zero: Callable[[Any], bool])
     return None if sign == 0 else sign < 0
 
 
-class Branch(Members):
+class BranchMembers(AxisMembers):
     """The members of a family with functions of the axis, or with unknowns."""
 
     exact = False
@@ -205,14 +207,14 @@ class Branch(Members):
             self.how += ", on one branch of steady motions"
         self.even = [is_even(a) for a, _ in tower.whole.factors]
         self.dissipative = not extra and not any(self.even)
-        found = (
+        watched_norms = (
             (norm, w) for w in watched(tower, budget) for norm in norms(tower, w.image, budget)
         )
-        self.candidates = Candidates(tower.base, tower.number, found, tower.polynomial.ends)
+        self.candidates = Candidates(tower.base, tower.number, watched_norms, tower.polynomial.ends)
 
     # --- at a number ---
 
-    def look(self, value: float) -> Look:
+    def look(self, value: float) -> AxisVerdict:
         """The verdict and the branch at a number."""
         reason, label = OPEN, None
         for bits in LADDER:
@@ -220,19 +222,19 @@ class Branch(Members):
                 try:
                     full = self._full(arb(value))
                 except (StabilityError, ZeroDivisionError):
-                    return Look(0, None, NO_MEMBER)
-                known = self._compact(full)
-                if not all(v.is_finite() for v in known.values()):
-                    return Look(0, None, NO_VALUE)
+                    return AxisVerdict(0, None, NO_MEMBER)
+                values = self._compact(full)
+                if not all(v.is_finite() for v in values.values()):
+                    return AxisVerdict(0, None, NO_VALUE)
                 if self.tower.polynomial.elsewhere(full) is not None:
-                    return Look(0, None, OTHER)
-                label = self._label(known)
-                sign = self._sign(known) if label is not None and self._regular(known) else 0
+                    return AxisVerdict(0, None, OTHER)
+                label = self._label(values)
+                sign = self._sign(values) if label is not None and self._regular(values) else 0
             if sign:
-                return Look(sign, label, "")
-        return Look(0, label, reason)
+                return AxisVerdict(sign, label, "")
+        return AxisVerdict(0, label, reason)
 
-    def known(self, value: Any) -> Mapping[int, Any]:
+    def values_at(self, value: Any) -> Mapping[int, Any]:
         """Values of the polynomials' variables at a ball of the axis.
 
         Raises
@@ -244,58 +246,58 @@ class Branch(Members):
 
     def _full(self, value: Any) -> dict[int, Any]:
         """Values of every indeterminate."""
-        known = self.tower.polynomial.at(value)
+        values = self.tower.polynomial.at(value)
         names = self.tower.polynomial.base
         for name in self.family.positive if self.sought else ():
-            if not known[names.index(name)] > 0:
+            if not values[names.index(name)] > 0:
                 raise NoMemberError(f"{self.family.name}: {name} is not proved to be positive.")
-        return known
+        return values
 
-    def _compact(self, known: Mapping[int, Any]) -> dict[int, Any]:
-        return {new: known[old] for new, old in enumerate(self.tower.whole.indices)}
+    def _compact(self, values: Mapping[int, Any]) -> dict[int, Any]:
+        return {new: values[old] for new, old in enumerate(self.tower.whole.indices)}
 
-    def sign(self, value: float, cell: Cell) -> int:
+    def sign(self, value: float, cell: CandidateCell) -> int:
         """The proved verdict at a number, by the graph or the polynomials; 0 on another branch."""
-        found = self.look(value)
-        if found.label != cell.look.label:
+        look = self.look(value)
+        if look.label != cell.look.label:
             return 0
         try:
-            return found.sign and (self.line.sign(value) or found.sign)
+            return look.sign and (self.line.sign(value) or look.sign)
         except StabilityError:
             return 0
 
-    def _regular(self, known: Mapping[int, Any]) -> bool:
-        return not any(arb(evaluate(p, known)).contains(0) for p in self.tower.whole.nonzero)
+    def _regular(self, values: Mapping[int, Any]) -> bool:
+        return not any(arb(evaluate(p, values)).contains(0) for p in self.tower.whole.nonzero)
 
-    def _label(self, known: Mapping[int, Any]) -> tuple[int, ...] | None:
+    def _label(self, values: Mapping[int, Any]) -> tuple[int, ...] | None:
         out = []
         for level in self.tower.levels:
-            if level.own is None:
+            if level.equation is None:
                 continue
-            row = coefficient_row(level.own, level.place)
-            balls = [arb(evaluate(c, known)) for c in row]
+            row = coefficient_row(level.equation, level.place)
+            balls = [arb(evaluate(c, values)) for c in row]
             roots = None if balls[-1].contains(0) else isolated(balls, even=False)
             if roots is None:
                 return None
             real = sorted((r.real for r in roots if r.imag == 0), key=lambda r: r.mid())
-            same = [i for i, r in enumerate(real) if r.overlaps(known[level.place])]
+            same = [i for i, r in enumerate(real) if r.overlaps(values[level.place])]
             if len(same) != 1:
                 return None
             out.append(same[0])
         return tuple(out)
 
-    def factors(self, known: Mapping[int, Any]) -> list[list[Any]]:
+    def factors(self, values: Mapping[int, Any]) -> list[list[Any]]:
         """Coefficients of each factor as balls, lowest first.
 
         Parameters
         ----------
-        known
+        values
             Values of the variables.
         """
-        return [[arb(evaluate(c, known)) for c in a] for a, _ in self.tower.whole.factors]
+        return [[arb(evaluate(c, values)) for c in a] for a, _ in self.tower.whole.factors]
 
-    def _sign(self, known: Mapping[int, Any]) -> int:
-        every = self.factors(known)
+    def _sign(self, values: Mapping[int, Any]) -> int:
+        every = self.factors(values)
         if any(a[-1].contains(0) for a in every):
             return 0
         return least_sign(
@@ -309,15 +311,15 @@ class Branch(Members):
 
     # --- between candidates ---
 
-    def cell(self, low: Any, high: Any) -> Cell:
+    def cell(self, low: Any, high: Any) -> CandidateCell:
         """What is proved between two neighbouring candidates, or a candidate and an end."""
         looks = list(self._looks(low, high))
-        known = [(place, look) for place, look in looks if look.sign]
-        if not known:
-            place, look = looks[0] if looks else (math.nan, Look(0, None, NEAR))
-            return Cell(low, high, place, look)
-        [(label, _)] = Counter(look.label for _, look in known).most_common(1)
-        good = [one for one in known if one[1].label == label]
+        proved = [(place, look) for place, look in looks if look.sign]
+        if not proved:
+            place, look = looks[0] if looks else (math.nan, AxisVerdict(0, None, NEAR))
+            return CandidateCell(low, high, place, look)
+        [(label, _)] = Counter(look.label for _, look in proved).most_common(1)
+        good = [entry for entry in proved if entry[1].label == label]
         if len({look.sign for _, look in good}) > 1:
             raise NotExact("verdicts on one branch differ between candidates")
         place, look = good[len(good) // 2]
@@ -328,9 +330,9 @@ class Branch(Members):
                 above = next(i for i, f in enumerate(fence) if f > value)
                 reason = JUMP if other.sign else other.reason
                 doubts.append((fence[above - 1], fence[above], reason))
-        return Cell(low, high, place, look, tuple(doubts))
+        return CandidateCell(low, high, place, look, tuple(doubts))
 
-    def _looks(self, low: Any, high: Any) -> Iterator[tuple[float, Look]]:
+    def _looks(self, low: Any, high: Any) -> Iterator[tuple[float, AxisVerdict]]:
         """Numbers in a piece, in increasing order, with what is proved there.
 
         One number is enough where nothing is solved for.  A root-finder may pass to another branch
@@ -352,7 +354,7 @@ class Branch(Members):
             if look.sign and shares is SHARES:
                 return
 
-    def unstable_in(self, cell: Cell) -> list[int] | None:
+    def unstable_in(self, cell: CandidateCell) -> list[int] | None:
         """Counted in balls, at numbers where the member is proved."""
         if not cell.look.sign:
             return None
@@ -363,7 +365,7 @@ class Branch(Members):
             if bits == LADDER[0] and not self.holds(place, cell):
                 continue
             with precision(bits):
-                every = self.factors(self.known(arb(place)))
+                every = self.factors(self.values_at(arb(place)))
                 counts = [
                     unstable_count(a, even=even) for a, even in zip(every, self.even, strict=True)
                 ]
@@ -371,46 +373,50 @@ class Branch(Members):
                 return [power * (n or 0) for n, power in zip(counts, powers, strict=True)]
         return None
 
-    def holds(self, value: float, cell: Cell) -> bool:
+    def holds(self, value: float, cell: CandidateCell) -> bool:
         """Whether the member lies on the branch of the piece."""
         return self.look(value).label == cell.look.label
 
     # --- at a candidate ---
 
-    def factors_at(self, one: Candidate) -> list[tuple[list[Any], int]]:
+    def factors_at(self, candidate: Candidate) -> list[tuple[list[Any], int]]:
         """Factors in balls at a candidate, each with its power."""
-        value = self.candidates.refined(one, FINE_BITS)
+        value = self.candidates.refined(candidate, FINE_BITS)
         with precision(FINE_BITS):
-            rows = self.factors(self.known(value))
+            rows = self.factors(self.values_at(value))
         return list(zip(rows, (power for _, power in self.tower.whole.factors), strict=True))
 
-    def vanishing(self, one: Candidate) -> list[Watched] | None:
+    def vanishing(self, candidate: Candidate) -> list[Watched] | None:
         """Polynomials that are not proved to differ from zero; None without a member."""
-        left = list(one.watched)
+        left = list(candidate.watched)
         for bits in LADDER[1:]:
             try:
-                value = self.candidates.refined(one, bits)
+                value = self.candidates.refined(candidate, bits)
                 with precision(bits):
-                    known = self.known(value)
-                    left = [w for w in left if arb(evaluate(w.poly, known)).contains(0)]
+                    values = self.values_at(value)
+                    left = [w for w in left if arb(evaluate(w.poly, values)).contains(0)]
             except (StabilityError, ZeroDivisionError, UnclearError):
                 # the root-finder fails where branches cross, and the branch goes on
-                through = "crossed" in one.kinds and not one.kinds & {"fold", "pole", "end"}
-                return list(one.watched) if through else None
+                through = "crossed" in candidate.kinds and not candidate.kinds & {
+                    "fold",
+                    "pole",
+                    "end",
+                }
+                return list(candidate.watched) if through else None
             if not left:
                 break
         return left
 
-    def joined(self, one: Candidate, below: Cell, above: Cell) -> bool:
+    def joined(self, candidate: Candidate, below: CandidateCell, above: CandidateCell) -> bool:
         """Whether the members on both sides of a candidate lie on one branch through it."""
         labels = [below.look.label, above.look.label]
-        if not one.kinds & {"fold", "pole", "end"}:
+        if not candidate.kinds & {"fold", "pole", "end"}:
             return labels[0] == labels[1]
-        middle = float(one.value.mid())
+        middle = float(candidate.value.mid())
         for share in CLOSE:
             low = middle - share * (middle - below.place)
             high = middle + share * (above.place - middle)
-            if not (low < one.value < high):
+            if not (low < candidate.value < high):
                 continue
             if [self.look(low).label, self.look(high).label] != labels:
                 return False
@@ -418,56 +424,58 @@ class Branch(Members):
                 return True
         return False
 
-    def meets(self, one: Candidate, kept: list[Watched], below: Cell, above: Cell) -> bool:
+    def meets(
+        self, candidate: Candidate, kept: list[Watched], below: CandidateCell, above: CandidateCell
+    ) -> bool:
         """Whether one of some polynomials is proved to vanish at a candidate."""
-        return any(self._vanishes(one, what, (below.place, above.place)) for what in kept)
+        return any(self._vanishes(candidate, what, (below.place, above.place)) for what in kept)
 
-    def _vanishes(self, one: Candidate, what: Watched, ends: tuple[float, float]) -> bool:
+    def _vanishes(self, candidate: Candidate, what: Watched, ends: tuple[float, float]) -> bool:
         if occurring(what.image) <= {0, 1}:
             return True  # the polynomial is its own norm
         with precision(LADDER[0]):
-            signs = [arb(evaluate(what.poly, self.known(arb(end)))) for end in ends]
+            signs = [arb(evaluate(what.poly, self.values_at(arb(end)))) for end in ends]
         if signs[0] * signs[1] < 0:
             return True
-        return self._small(one, what.image, what.poly)
+        return self._small(candidate, what.image, what.poly)
 
-    def _small(self, one: Candidate, image: Any, poly: Any) -> bool:
+    def _small(self, candidate: Candidate, image: Any, poly: Any) -> bool:
         """Whether a value is smaller than each of its conjugates that is not zero."""
-        least = least_size(self.tower, image, one.norm, self.budget)
+        least = least_size(self.tower, image, candidate.norm, self.budget)
         if least is None:
             return False
         bits = 2 * (int(least.q).bit_length() - int(least.p).bit_length()) + 128
         if bits > MOST_BITS:
             return False
         try:
-            value = self.candidates.refined(one, bits)
+            value = self.candidates.refined(candidate, bits)
             with precision(bits):
-                return bool(abs(arb(evaluate(poly, self.known(value)))) < arb(least))
+                return bool(abs(arb(evaluate(poly, self.values_at(value)))) < arb(least))
         except (StabilityError, UnclearError):
             return False
 
-    def unstable(self, one: Candidate) -> bool | None:
+    def unstable(self, candidate: Candidate) -> bool | None:
         """Whether the member at a candidate is unstable; None where this is not proved."""
 
         def zero(poly: Any) -> bool:
-            return self._nothing(one, poly)
+            return self._nothing(candidate, poly)
 
         rows = [a for a, _ in self.tower.whole.factors]
         try:
-            value = self.candidates.refined(one, LADDER[1])
+            value = self.candidates.refined(candidate, LADDER[1])
             with precision(LADDER[1]):
-                balls = self.factors(self.known(value))
-                found = [growing(a, b, zero) for a, b in zip(rows, balls, strict=True)]
+                balls = self.factors(self.values_at(value))
+                growth = [growing(a, b, zero) for a, b in zip(rows, balls, strict=True)]
         except (StabilityError, UnclearError, ZeroDivisionError):
             return None
-        return True if True in found else None if None in found else False
+        return True if True in growth else None if None in growth else False
 
-    def _nothing(self, one: Candidate, poly: Any) -> bool:
+    def _nothing(self, candidate: Candidate, poly: Any) -> bool:
         """Whether a coefficient is proved to vanish at a candidate."""
         for factor, _ in factors(poly)[1]:
             image = self.tower.image(factor)
-            if occurring(image) <= {0, 1} and not divmod(image, one.norm)[1]:
+            if occurring(image) <= {0, 1} and not divmod(image, candidate.norm)[1]:
                 return True
-            if self._small(one, image, factor):
+            if self._small(candidate, image, factor):
                 return True
         return False

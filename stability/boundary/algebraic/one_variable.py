@@ -52,7 +52,7 @@ from ...systems.structure.structural_zeros import structure
 from ..brackets import AxisScan
 from ..pairs import crossing, grows, meeting, unstable_count
 from .candidates import Candidate, Candidates, Watched, critical, in_base
-from .members import FINE_BITS, NEAR, SHARES, Cell, Look, Members, growing
+from .members import FINE_BITS, NEAR, SHARES, AxisMembers, AxisVerdict, CandidateCell, growing
 from .tower import AxisPolynomial, Base
 
 POSITIVE = ("k", "mu", "c", "mass", "radius", "gravity")
@@ -67,7 +67,7 @@ Row = list[Any]
 """Coefficients of a factor by powers of λ, lowest first: `fmpq_poly` in the variable."""
 
 
-class Conditions:
+class StoredConditions:
     """Stored conditions: all positive, or some negative.
 
     Parameters
@@ -100,7 +100,7 @@ class Conditions:
         )
 
 
-class Factors:
+class FactoredPolynomial:
     """A characteristic polynomial in factors, and the poles of the linearisation.
 
     Parameters
@@ -121,10 +121,12 @@ class Factors:
 
     def watched(self) -> list[tuple[str, Any]]:
         """(kind, polynomial) of what can vanish where the verdict changes."""
-        found = [("pole", multivariate(p)) for p in self.poles]
+        conditions = [("pole", multivariate(p)) for p in self.poles]
         for row in self.rows:
-            found += critical([multivariate(c) for c in row], _pair, _meeting)
-        return [(kind, p) for kind, p in found if not p.is_constant()]
+            conditions += critical(
+                [multivariate(c) for c in row], _pair_resultant, _meeting_discriminant
+            )
+        return [(kind, p) for kind, p in conditions if not p.is_constant()]
 
     def verdict(self, x: Any) -> Verdict:
         """The verdict at a rational value; zeros by structure do not count."""
@@ -147,15 +149,15 @@ class Factors:
 
     def frequency(self, x: Any) -> float:
         """|Im λ| of the pair that meets the axis, or of two that meet on it, next to a rational."""
-        known: list[tuple[float, float]] = []
+        pairs: list[tuple[float, float]] = []
         for row, even in zip(self.rows, self.even, strict=True):
             p = fmpq_poly([c(x) for c in row])
-            known += meeting(fmpq_poly(p.coeffs()[::2])) if even else crossing(p)
-        return min(known, default=(math.inf, 0.0))[1]
+            pairs += meeting(fmpq_poly(p.coeffs()[::2])) if even else crossing(p)
+        return min(pairs, default=(math.inf, 0.0))[1]
 
 
 class SineFactors:
-    """As `Factors`, with polynomials in x and a transcendental sine s; for counts alone."""
+    """As `FactoredPolynomial`, with polynomials in x and a transcendental sine s; for counts."""
 
     def __init__(
         self,
@@ -170,14 +172,14 @@ class SineFactors:
     def watched(self) -> list[tuple[str, Any]]:
         """(kind, polynomial) of what can vanish where a number changes."""
         budget = counted()
-        found = [("pole", p) for p in self.poles]
+        conditions = [("pole", p) for p in self.poles]
         for row in self.rows:
-            found += critical(
+            conditions += critical(
                 row,
                 lambda a: hurwitz_determinants(a, budget)[-1],
                 lambda q: subdiscriminants(q, budget)[-1],
             )
-        return [(kind, p) for kind, p in found if not p.derivative(0).is_zero()]
+        return [(kind, p) for kind, p in conditions if not p.derivative(0).is_zero()]
 
     def at(self, root: Any) -> list[list[Any]]:
         """The factors at a ball of the variable."""
@@ -202,11 +204,11 @@ class SineFactors:
         return 0 if counts is None else -1 if any(counts) else 1
 
 
-def _pair(a: Sequence[Any]) -> Any:
+def _pair_resultant(a: Sequence[Any]) -> Any:
     return _in_s(a[::2]).resultant(_in_s(a[1::2]), 1)
 
 
-def _meeting(q: Sequence[Any]) -> Any:
+def _meeting_discriminant(q: Sequence[Any]) -> Any:
     return _in_s(q).discriminant(1)
 
 
@@ -215,7 +217,7 @@ def _in_s(coefficients: Sequence[Any]) -> Any:
     return sum((c * s**k for k, c in enumerate(coefficients)), RING.constant(0))
 
 
-class OneVariable(Members):
+class OneVariable(AxisMembers):
     """Members whose verdict follows from polynomials in the axis, or in the sine of it.
 
     Parameters
@@ -242,7 +244,7 @@ class OneVariable(Members):
     def __init__(
         self,
         line: AxisScan,
-        source: Conditions | Factors | SineFactors,
+        source: StoredConditions | FactoredPolynomial | SineFactors,
         base: Base,
         ends: tuple[float | None, float | None],
         *,
@@ -251,13 +253,13 @@ class OneVariable(Members):
         bits: int = BITS,
     ) -> None:
         self.line, self.source, self.dissipative = line, source, dissipative
-        self.even = [] if isinstance(source, Conditions) else source.even
+        self.even = [] if isinstance(source, StoredConditions) else source.even
         self._sign = cache(source.sign)  # of an inclination two pieces may share their sine
         if line.problem.family.exact:
             self.how += ", from the family's polynomial"
-        found = [*_apart(source.watched(), turned=base.turned)]
-        found += [("edge", UPRIGHT)] if edge else []
-        norms = ((p, Watched(kind, p, p)) for kind, p in found)
+        conditions = [*_apart(source.watched(), turned=base.turned)]
+        conditions += [("edge", UPRIGHT)] if edge else []
+        norms = ((p, Watched(kind, p, p)) for kind, p in conditions)
         self.candidates = Candidates(base, source.sine, norms, ends, bits)
         none = line.axis == "phi_dot" and not line.problem.plain
         low, high = ends
@@ -265,7 +267,7 @@ class OneVariable(Members):
         self.missing = [0.0] if none and around else []
         """Values at which there is no member."""
 
-    def cell(self, low: Any, high: Any) -> Cell:
+    def cell(self, low: Any, high: Any) -> CandidateCell:
         """The exact verdict at a rational between two neighbouring candidates."""
         base = self.candidates.base
         with precision(self.candidates.bits):
@@ -278,79 +280,91 @@ class OneVariable(Members):
                     if any(low < x < high for x in base.back(z, low, high)):
                         sign = self._sign(z.fmpq())
                         if sign:
-                            return Cell(low, high, math.nan, Look(sign, (), ""), sample=z.fmpq())
+                            return CandidateCell(
+                                low, high, math.nan, AxisVerdict(sign, (), ""), sample=z.fmpq()
+                            )
                         break
-        return Cell(low, high, math.nan, Look(0, None, NEAR))
+        return CandidateCell(low, high, math.nan, AxisVerdict(0, None, NEAR))
 
-    def unstable_in(self, cell: Cell) -> list[int] | None:
+    def unstable_in(self, cell: CandidateCell) -> list[int] | None:
         """Counted over Q."""
-        if cell.sample is None or isinstance(self.source, Conditions):
+        if cell.sample is None or isinstance(self.source, StoredConditions):
             return None
         return self.source.unstable(cell.sample)
 
-    def holds(self, value: float, cell: Cell) -> bool:  # noqa: ARG002
+    def holds(self, value: float, cell: CandidateCell) -> bool:  # noqa: ARG002
         """There is one member at every number."""
         return True
 
-    def factors_at(self, one: Candidate) -> list[tuple[list[Any], int]]:
+    def factors_at(self, candidate: Candidate) -> list[tuple[list[Any], int]]:
         """Factors in balls at a candidate, each with its power."""
-        assert not isinstance(self.source, Conditions)
-        root = self.candidates.base.variable(self.candidates.refined(one, FINE_BITS))
+        assert not isinstance(self.source, StoredConditions)
+        root = self.candidates.base.variable(self.candidates.refined(candidate, FINE_BITS))
         with precision(FINE_BITS):
             return list(zip(self.source.at(root), self.source.powers, strict=True))
 
-    def vanishing(self, one: Candidate) -> list[Watched]:
+    def vanishing(self, candidate: Candidate) -> list[Watched]:
         """Every watched polynomial is its own norm."""
-        return list(one.watched)
+        return list(candidate.watched)
 
-    def joined(self, one: Candidate, below: Cell, above: Cell) -> bool:  # noqa: ARG002
+    def joined(self, candidate: Candidate, below: CandidateCell, above: CandidateCell) -> bool:  # noqa: ARG002
         """The members are a function of the axis."""
         return True
 
-    def meets(self, one: Candidate, kept: list[Watched], below: Cell, above: Cell) -> bool:  # noqa: ARG002
+    def meets(
+        self,
+        candidate: Candidate,  # noqa: ARG002
+        kept: list[Watched],  # noqa: ARG002
+        below: CandidateCell,  # noqa: ARG002
+        above: CandidateCell,  # noqa: ARG002
+    ) -> bool:
         """Every watched polynomial is its own norm."""
         return True
 
-    def unstable(self, one: Candidate) -> bool | None:
+    def unstable(self, candidate: Candidate) -> bool | None:
         """Whether the member at a candidate is unstable; None where this is not proved."""
         source = self.source
         assert not isinstance(source, SineFactors)
-        with precision(max(BITS, min(one.root.rel_accuracy_bits(), MOST_BITS)) + GUARD):
-            if isinstance(source, Factors):
-                return self._grows(source, one)
-            if source.negative(one.root):
+        with precision(max(BITS, min(candidate.root.rel_accuracy_bits(), MOST_BITS)) + GUARD):
+            if isinstance(source, FactoredPolynomial):
+                return self._grows(source, candidate)
+            if source.negative(candidate.root):
                 return True
         # no condition is proved negative; omitted ones follow only where the others are positive
-        place = self.line.fixed | {self.line.axis: float(one.value.mid())}
+        place = self.line.fixed | {self.line.axis: float(candidate.value.mid())}
         return False if certified(self.line.problem, place) is Verdict.NEUTRAL else None
 
     @staticmethod
-    def _grows(source: Factors, one: Candidate) -> bool | None:
-        balls = source.at(one.root)
+    def _grows(source: FactoredPolynomial, candidate: Candidate) -> bool | None:
+        balls = source.at(candidate.root)
         if any(map(grows, balls)):
             return True
         norm = next(
-            p for p, _ in univariate(one.norm).factor()[1] if arb_poly(p)(one.root).contains(0)
+            p
+            for p, _ in univariate(candidate.norm).factor()[1]
+            if arb_poly(p)(candidate.root).contains(0)
         )
         if norm.degree() == 1:
             said = source.verdict(-norm[0] / norm[1])
             return None if said is Verdict.STABLE else said is Verdict.UNSTABLE
-        found = [
+        growth = [
             growing(row, b, lambda c: (c % norm).is_zero())
             for row, b in zip(source.rows, balls, strict=True)
         ]
-        return True if True in found else None if None in found else False
+        return True if True in growth else None if None in growth else False
 
-    def sign(self, value: float, cell: Cell) -> int:  # noqa: ARG002
+    def sign(self, value: float, cell: CandidateCell) -> int:  # noqa: ARG002
         """The proved verdict at a double: from the graph, by Routh's array or over Q."""
         if self.line.problem.exact is None:
             return self._exactly(value)
-        if isinstance(self.source, Factors):  # balls see no eigenvalue that stays on the axis
+        if isinstance(
+            self.source, FactoredPolynomial
+        ):  # balls see no eigenvalue that stays on the axis
             return self._exactly(value) or self._by_graph(value)
         return self._by_graph(value) or self._exactly(value)
 
     def _exactly(self, value: float) -> int:
-        if isinstance(self.source, Conditions):
+        if isinstance(self.source, StoredConditions):
             proof = decided(Point(self.line.problem, self.line.fixed | {self.line.axis: value}))
             return self.line.sign_of(proof.verdict, proof.nearby)
         return 0 if self.candidates.base.turned else self.source.sign(rational(value))
@@ -361,24 +375,24 @@ class OneVariable(Members):
         except StabilityError:  # outside the range of the body's values
             return 0
 
-    def rate(self, one: Candidate, root: float) -> float:
+    def rate(self, candidate: Candidate, root: float) -> float:
         """|Im λ| of the pair that meets the imaginary axis at a candidate."""
         if self.line.problem.exact is None:
-            assert isinstance(self.source, Factors)
+            assert isinstance(self.source, FactoredPolynomial)
             with precision(MEMBER_BITS):  # more digits than a double needs slow the roots down
-                return self.source.frequency((one.root * 1).mid().fmpq())
-        return super().rate(one, root)
+                return self.source.frequency((candidate.root * 1).mid().fmpq())
+        return super().rate(candidate, root)
 
 
-def _apart(found: list[tuple[str, Any]], *, turned: bool) -> Iterator[tuple[str, Any]]:
+def _apart(conditions: list[tuple[str, Any]], *, turned: bool) -> Iterator[tuple[str, Any]]:
     """Polynomials without a common or multiple root; a pole, then a zero eigenvalue names it."""
-    known = [UPRIGHT] if turned else []
-    for kind, p in sorted(found, key=lambda w: ("pole", "static", w[0]).index(w[0])):
+    earlier = [UPRIGHT] if turned else []
+    for kind, p in sorted(conditions, key=lambda w: ("pole", "static", w[0]).index(w[0])):
         rest = p / p.gcd(p.derivative(0))
-        for other in known:
+        for other in earlier:
             rest = rest / rest.gcd(other)
         if not rest.derivative(0).is_zero():
-            known.append(rest)
+            earlier.append(rest)
             yield kind, rest
 
 
@@ -392,7 +406,7 @@ def of_family(
     form, problem = polynomial.factored, line.problem
     rows = [[univariate(c) for c in row] for row, _ in form.factors]
     powers = [power for _, power in form.factors]
-    source = Factors(rows, powers, [univariate(p) for p in form.nonzero])
+    source = FactoredPolynomial(rows, powers, [univariate(p) for p in form.nonzero])
     zeros = structure(problem.family).zeros  # refuses what is declared conservative and is not
     base = Base("positive" if not problem.plain and line.axis in POSITIVE else "plain")
     good = form.zeros <= zeros and not any(source.even)
@@ -424,14 +438,14 @@ def of_exact(
         angle, edge = exact.angle(axis), exact.borders
         over, sine = _tabulated(exact, axes, angle, field)
     base = Base(angle or ("positive" if not problem.plain and axis in POSITIVE else "plain"))
-    found = None if every else exact.conditions(axes, over)
-    if found is not None:
+    conditions = None if every else exact.conditions(axes, over)
+    if conditions is not None:
         # of the same sign, since a denominator is a power of a positive axis
-        quotients = [(kind, _quotient(field, p)) for kind, p in found]
+        quotients = [(kind, _quotient(field, p)) for kind, p in conditions]
         cleared = [(kind, q.num * q.den) for kind, q in quotients]
         if all(not p.is_zero() for _, p in cleared):
             good, edge = not problem.family.conservative, edge and bool(angle)
-            source = Conditions(cleared, sine)
+            source = StoredConditions(cleared, sine)
             return OneVariable(line, source, base, ends, dissipative=good, edge=edge, bits=bits)
     # with `every`, or where a condition vanishes all along the axis: the polynomial is searched
     source_ = _itself(exact, problem.rationals(line.fixed), axis, angle)
@@ -440,7 +454,7 @@ def of_exact(
 
 def _itself(
     exact: ExactPolynomial, fixed: Mapping[str, Any], axis: str, angle: str
-) -> Factors | SineFactors:
+) -> FactoredPolynomial | SineFactors:
     """The polynomial in factors, where conditions say less."""
     field = FunctionField(("x", "s", "λ"), spare=0)
     axes = {**fixed, axis: field.symbols[0]}
@@ -466,7 +480,7 @@ def _itself(
         flat = [[in_base(c) for c in row] for row in rows]
         return SineFactors(flat, powers, [in_base(p) for p in poles], sine)
     plain = [[univariate(c) for c in row] for row in rows]
-    return Factors(plain, powers, [univariate(p) for p in poles])
+    return FactoredPolynomial(plain, powers, [univariate(p) for p in poles])
 
 
 def _tabulated(

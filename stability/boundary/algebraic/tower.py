@@ -120,11 +120,11 @@ class AxisPolynomial(CharacteristicPolynomial):
         with precision(SAMPLE_BITS):
             for share in SHARES:
                 try:
-                    known = self.at(arb(low + share * (high - low)))
+                    values = self.at(arb(low + share * (high - low)))
                 except (StabilityError, ZeroDivisionError):
                     continue
-                if all(v.is_finite() for v in known.values()):
-                    out.append(known)
+                if all(v.is_finite() for v in values.values()):
+                    out.append(values)
                 if len(out) == SAMPLES:
                     return out
         raise NotExact("members were not found at enough values of the axis")
@@ -165,18 +165,18 @@ class Base:
         if any(z.contains(b) and z != b for b in BOUNDS[self.kind]):
             raise UnclearError
         if self.kind == "plain":
-            found = [z]
+            values = [z]
         elif self.kind == "positive":
-            found = [z] if z > 0 else []
+            values = [z] if z > 0 else []
         elif self.kind in TURNED:
-            found = _upright(self.kind, z) if 0 < z <= 1 else []
+            values = _upright(self.kind, z) if 0 < z <= 1 else []
         elif self.kind == "exp":
-            found = [self._angle(z.log())] if z > 0 else []
+            values = [self._angle(z.log())] if z > 0 else []
         elif self.kind == "hyperbola":
-            found = [self._angle(a) for a in _both(z, z.acosh())] if z >= 1 else []
+            values = [self._angle(a) for a in _both(z, z.acosh())] if z >= 1 else []
         else:
-            found = self._turns(z, low, high) if abs(z) <= 1 else []
-        return [x for x in found if not (x < low or x > high)]
+            values = self._turns(z, low, high) if abs(z) <= 1 else []
+        return [x for x in values if not (x < low or x > high)]
 
     @property
     def turned(self) -> bool:
@@ -295,7 +295,7 @@ class Level:
     """Polynomial in this and earlier variables that vanishes."""
     place: int
     """Index in the ring of the family's polynomials; -1 for the sine next to a cosine."""
-    own: Any
+    equation: Any
     """The relation in that ring; None for such a sine."""
 
 
@@ -358,30 +358,30 @@ class Tower:
         return out
 
     def _clocked(
-        self, found: list[tuple[int, str, Any, Any]], z: Any, which: int, extra: list[Level]
+        self, functions: list[tuple[int, str, Any, Any]], z: Any, which: int, extra: list[Level]
     ) -> Base:
         """Images of some functions as polynomials in z and a sine."""
         axis = self.polynomial.base.index(self.polynomial.axis)
         plain = [i for i, index in enumerate(self.whole.indices) if index == axis and not which]
-        if plain and found:
-            raise NotExact(f"{self.polynomial.axis} and {found[0][1]} of it both occur")
-        if not found:
+        if plain and functions:
+            raise NotExact(f"{self.polynomial.axis} and {functions[0][1]} of it both occur")
+        if not functions:
             for place in plain:
                 self._images[place] = z
                 self._built.add(place)
             return Base("plain")
-        one = base_of([entry[1:] for entry in found])
+        base = base_of([entry[1:] for entry in functions])
         other = self._extra[which]
-        for place, name, factor, _ in found:
-            image = turned(one.kind, name, int(abs(factor / one.step).p), z, other)
-            odd = name in ("sin", "sinh") and factor / one.step < 0
+        for place, name, factor, _ in functions:
+            image = turned(base.kind, name, int(abs(factor / base.step).p), z, other)
+            odd = name in ("sin", "sinh") and factor / base.step < 0
             self._images[place] = -image if odd else image
             self._built.add(place)
-        if one.kind != "exp":
-            sign = 1 if one.kind == "circle" else -1
+        if base.kind != "exp":
+            sign = 1 if base.kind == "circle" else -1
             relation = other**2 - sign * (1 - z**2)
             extra.append(Level(self._index(other), relation, -1, None))
-        return one
+        return base
 
     def _index(self, generator: Any) -> int:
         return next(i for i, d in enumerate(generator.degrees()) if d)
@@ -398,9 +398,9 @@ class Tower:
             if place not in self._built:
                 index = self._index(self._images[place])
                 levels.append(Level(index, self.image(relation), place, relation))
-        known = {0, 1} | {level.index for level in levels}
+        algebraic = {0, 1} | {level.index for level in levels}
         for place, image in enumerate(self._images[:-1]):
-            if not occurring(image) <= known:
+            if not occurring(image) <= algebraic:
                 raise NotExact(f"{self.whole.names[place]} obeys no polynomial equation")
         if len({level.index for level in levels}) < len(levels):
             raise NotExact("a variable has two equations")
@@ -408,12 +408,12 @@ class Tower:
         while levels:
             last = next(
                 (
-                    one
-                    for one in levels
+                    unused
+                    for unused in levels
                     if not any(
-                        one.index in occurring(other.relation)
+                        unused.index in occurring(other.relation)
                         for other in levels
-                        if other is not one
+                        if other is not unused
                     )
                 ),
                 None,

@@ -82,7 +82,7 @@ class Suspect(NamedTuple):
     """Whether its real part changes sign, proved; otherwise it stays off the axis."""
 
 
-class Discs(NamedTuple):
+class PieceDiscs(NamedTuple):
     """What discs prove of a piece."""
 
     suspects: list[Suspect]
@@ -91,7 +91,7 @@ class Discs(NamedTuple):
     @property
     def meetings(self) -> int | None:
         """Number of meetings with the axis, a pair counted once; None where it is not proved."""
-        crossing = [one.value.imag for one in self.suspects if one.crosses]
+        crossing = [disc.value.imag for disc in self.suspects if disc.crosses]
         pairs, alone = divmod(sum(v != 0 for v in crossing), 2)
         return None if alone else pairs + sum(v == 0 for v in crossing)
 
@@ -238,7 +238,7 @@ def _carried(span: Span) -> Carried | None:
     return None
 
 
-def discs(carried: Carried, zeros: int) -> Discs | None:
+def discs(carried: Carried, zeros: int) -> PieceDiscs | None:
     """Which eigenvalues meet the axis; None where this is not proved.
 
     Parameters
@@ -266,7 +266,7 @@ def discs(carried: Carried, zeros: int) -> Discs | None:
         place = float(np.clip(-centre[i].real / turn[i].real, -1, 1))
         value, vector = complex(carried.values[i]), carried.vectors[:, i]
         suspects.append(Suspect(value, vector, place, ends[0] != ends[1]))
-    return Discs(suspects)
+    return PieceDiscs(suspects)
 
 
 def _entries(first: Floats, table: Floats, gap: Floats) -> Floats | None:
@@ -336,7 +336,7 @@ class DiscMeetings(GraphMeetings):
     def _tables(self, place: Any, start: list[Any], count: int) -> list[tuple[Floats, Floats]]:
         """Taylor coefficients of the linearisation in doubles, and bounds on their errors."""
         with terms(count):
-            a, q = self.line.given(arb_series([place, 1]))
+            a, q = self.line.numbers_at(arb_series([place, 1]))
             entries = entries_of(self.family, a, q, start, count)
         rows, columns = np.array(self.family.graph.matrix.places[0]).reshape(-1, 2).T
         size = len(self.family.system.states)
@@ -375,18 +375,18 @@ class DiscMeetings(GraphMeetings):
 
     def zeros_in(self, piece: DiscPiece) -> int | None:
         """Number of meetings on a piece, each simple; None if this is not proved."""
-        found = self._found(piece)
-        if found is not None:
-            return sum(seen.meetings or 0 for _, seen in found)
+        open_blocks = self._open_blocks(piece)
+        if open_blocks is not None:
+            return sum(seen.meetings or 0 for _, seen in open_blocks)
         if (piece.low, piece.high) not in self.ended or not self.left:
             return None
         self.left -= 1
         self.ended.remove((piece.low, piece.high))
         return super().zeros_in(super().piece(piece.low, piece.high))
 
-    def _found(self, piece: DiscPiece) -> list[tuple[list[int], Discs]] | None:
+    def _open_blocks(self, piece: DiscPiece) -> list[tuple[list[int], PieceDiscs]] | None:
         """The blocks that forms leave open, with what discs prove of them."""
-        found = []
+        open_blocks = []
         with np.errstate(all="ignore"):  # what overflows proves nothing
             every = [_carried(span) for span in self._spans(piece.span)]
             if not self.every and any(
@@ -401,12 +401,12 @@ class DiscMeetings(GraphMeetings):
                     if carried is None or carried.lost(self.zeros):
                         self.ended.add((piece.low, piece.high))
                     return None
-                found.append((block, seen))
-        return found
+                open_blocks.append((block, seen))
+        return open_blocks
 
     def near(self, piece: DiscPiece) -> tuple[float, Crossing] | None:
         """The single meeting of a piece to double precision."""
-        for block, seen in self._found(piece) or ():
+        for block, seen in self._open_blocks(piece) or ():
             for suspect in seen.suspects:
                 if suspect.crosses:
                     return self._polished(piece, block, suspect)

@@ -49,7 +49,7 @@ class NoValueError(ArithmeticError):
 
 
 @dataclass
-class Basis:
+class NarrowingBasis:
     """Regular matrices that carry the functions of one block to narrow ones."""
 
     left: Any
@@ -69,7 +69,7 @@ def finite(matrix: Any) -> bool:
     return all(v.is_finite() for v in matrix.entries())
 
 
-def basis_of(matrix: Any) -> Basis:
+def basis_of(matrix: Any) -> NarrowingBasis:
     """A basis in which a matrix is nearly diagonal, with its inverse divided by its size."""
     import scipy.linalg
 
@@ -84,17 +84,17 @@ def basis_of(matrix: Any) -> Basis:
         largest = float(np.abs(values).max())
         scale = 2.0 ** round(math.log2(largest)) if largest > 1e-100 else 1.0
     exact = arb_mat(right.tolist())
-    return Basis(exact.inv() / arb(scale), exact, scale)
+    return NarrowingBasis(exact.inv() / arb(scale), exact, scale)
 
 
 def polynomial(matrix: Sequence[Any], *, fold: bool) -> list[Form]:
     """det(λ - B) by powers of λ, lowest first, for a matrix of forms (Berkowitz)."""
     # Taylor forms of any graph over boxes, algebraic or not; by matrices of balls, in one product
     top, size = len(matrix) - 1, matrix[0].nrows()
-    one = [arb(1), *[arb(0)] * top]
-    poly = [one]
+    unit = [arb(1), *[arb(0)] * top]
+    poly = [unit]
     for r in range(size):
-        first = [one, [-m[r, r] for m in matrix]]
+        first = [unit, [-m[r, r] for m in matrix]]
         if r:
             inner = [arb_mat([[m[i, j] for j in range(r)] for i in range(r)]) for m in matrix]
             row = [arb_mat([[-m[r, j] for j in range(r)]]) for m in matrix]
@@ -114,7 +114,7 @@ def polynomial(matrix: Sequence[Any], *, fold: bool) -> list[Form]:
     return poly[::-1]
 
 
-def determinant(poly: Sequence[Form], basis: Basis, *, fold: bool) -> Form:
+def determinant(poly: Sequence[Form], basis: NarrowingBasis, *, fold: bool) -> Form:
     """A function with the zeros of the Hurwitz determinant of order n - 1."""
     size = len(poly) - 2
     table = [arb_mat(hurwitz_matrix(order, size, arb(0))) for order in zip(*poly, strict=True)]
@@ -159,7 +159,7 @@ WIDER = 2.0**-16
 
 
 @dataclass
-class Piece:
+class EnclosedPiece:
     """A piece of the axis with what was enclosed there."""
 
     low: float
@@ -171,7 +171,7 @@ class Piece:
     """Value and derivative over all of the piece; empty where there is no derivative."""
     box: list[Any]
     """The unknowns over the piece, each the only root of the equations nearby."""
-    bases: list[Basis]
+    bases: list[NarrowingBasis]
     """One for each block."""
 
 
@@ -243,7 +243,7 @@ class Meetings(ABC):
             return 0
         if not self.monotone(piece, open_):
             return None
-        ends = [self._signs(value, piece) for value in (piece.low, piece.high)]
+        ends = [self._point_signs(value, piece) for value in (piece.low, piece.high)]
         signs = [(ends[0][i], ends[1][i]) for i in open_]
         return None if any(0 in pair for pair in signs) else sum(a != b for a, b in signs)
 
@@ -255,21 +255,21 @@ class Meetings(ABC):
         """The single meeting of a piece to double precision, where it is known."""
         return None
 
-    def _signs(self, value: float, piece: Any = None) -> list[int]:
+    def _point_signs(self, value: float, piece: Any = None) -> list[int]:
         """Proved signs of the functions at a point; 0 where open."""
         bits, out = BITS, [0]
         while 0 in out and bits <= POINT_BITS:
-            found = self.values(value, bits, piece)
-            if found is None:
+            values = self.values(value, bits, piece)
+            if values is None:
                 return [0] * self.count
-            out = [int(f > 0) - int(f < 0) for f in found]
+            out = [int(f > 0) - int(f < 0) for f in values]
             bits *= 2
         return out
 
     def clear(self, value: float) -> bool:
         """Whether no eigenvalue is on the imaginary axis at a point, proved."""
         try:
-            return 0 not in self._signs(value)
+            return 0 not in self._point_signs(value)
         except ArithmeticError:
             return False
 
@@ -343,12 +343,12 @@ class GraphMeetings(Meetings):
         return self._roots[key]
 
     def _unknowns(self, place: Any, near: Sequence[float] | None) -> list[Any]:
-        return positive_unknowns(self.family, *self.line.given(place), near)
+        return positive_unknowns(self.family, *self.line.numbers_at(place), near)
 
     def _matrices(self, place: Any, start: list[Any], count: int) -> list[Any]:
         """Taylor coefficients of the linearisation at a point, or at every point of a ball."""
         with terms(count):
-            a, q = self.line.given(arb_series([place, 1]))
+            a, q = self.line.numbers_at(arb_series([place, 1]))
             return linearisation(self.family, a, q, start, count)
 
     # --- a piece ---
@@ -369,7 +369,7 @@ class GraphMeetings(Meetings):
         wide = arb(middle, (half * (1 + WIDER)).abs_upper())
         return here, self._unknowns(wide, [float(v.mid()) for v in here])
 
-    def piece(self, low: float, high: float) -> Piece:
+    def piece(self, low: float, high: float) -> EnclosedPiece:
         """Members and linearisations over a piece."""
         middle, half, whole = around(low, high)
         here, box = self.members(low, high)
@@ -382,15 +382,15 @@ class GraphMeetings(Meetings):
         slopes = [over[0], over[1] * half] if order else []
         if not finite(scaled[0]):
             raise NoValueError
-        return Piece(low, high, order, scaled, slopes, box, self._bases(scaled[0]))
+        return EnclosedPiece(low, high, order, scaled, slopes, box, self._bases(scaled[0]))
 
-    def _bases(self, matrix: Any) -> list[Basis]:
+    def _bases(self, matrix: Any) -> list[NarrowingBasis]:
         size = matrix.nrows()
         table = np.array([[float(matrix[i, j].mid()) for j in range(size)] for i in range(size)])
         return [basis_of(table[np.ix_(block, block)]) for block in self.blocks]
 
     def functions(
-        self, matrices: Sequence[Any], bases: Sequence[Basis], *, fold: bool
+        self, matrices: Sequence[Any], bases: Sequence[NarrowingBasis], *, fold: bool
     ) -> list[Form]:
         """The functions as forms: static and flutter for each block."""
         out = []
@@ -409,18 +409,18 @@ class GraphMeetings(Meetings):
                 out.append(determinant(poly, basis, fold=fold))
         return out
 
-    def forms(self, piece: Piece) -> list[Form]:
+    def forms(self, piece: EnclosedPiece) -> list[Form]:
         """Both functions of each block."""
         return self.functions(piece.matrices, piece.bases, fold=True)
 
-    def monotone(self, piece: Piece, places: Sequence[int]) -> bool:
+    def monotone(self, piece: EnclosedPiece, places: Sequence[int]) -> bool:
         """By the slopes over all of the piece."""
         if not piece.slopes:
             return False
         slopes = self.functions(piece.slopes, piece.bases, fold=False)
         return all(nonzero(slopes[i][1]) for i in places)
 
-    def values(self, value: float, bits: int, piece: Piece | None) -> list[Any] | None:
+    def values(self, value: float, bits: int, piece: EnclosedPiece | None) -> list[Any] | None:
         """Both functions of each block."""
         root = self.root(value, bits)
         if root is None:
@@ -482,10 +482,10 @@ class FormulaMeetings(Meetings):
             some = [coefficient(a, k) for k in range(FORMULA_ORDER)] + [
                 coefficient(b, FORMULA_ORDER)
             ]
-            found = [c * half**k for k, c in enumerate(some)]
-            if not all(c.is_finite() for c in found):
+            coefficients = [c * half**k for k, c in enumerate(some)]
+            if not all(c.is_finite() for c in coefficients):
                 raise NoValueError
-            return found
+            return coefficients
 
         if not all(span(form(a, b)) > 0 for a, b in zip(asked, numbers, strict=True)):
             raise NoMemberError(f"{self.line.problem.family.name} has no member there.")
@@ -494,7 +494,7 @@ class FormulaMeetings(Meetings):
     def _series(self, place: Any) -> tuple[list[Any], list[Any]]:
         """Functions, and numbers that are positive at members, as series about a ball."""
         with terms(FORMULA_ORDER + 1):
-            a, q = self.line.given(arb_series([place, 1]))
+            a, q = self.line.numbers_at(arb_series([place, 1]))
             try:
                 coefficients, _, positive = self.formulas(series_algebra(), a, q)
             except ValueError:  # a series divides by one whose first term may vanish
@@ -510,8 +510,8 @@ class FormulaMeetings(Meetings):
     @property
     def kinds(self) -> list[Crossing | None]:
         """What each of these numbers means; None for infinity."""
-        own: list[Crossing | None] = [Crossing.STATIC, None]
-        return own if self.formulas.even else [*own, Crossing.FLUTTER]
+        kinds: list[Crossing | None] = [Crossing.STATIC, None]
+        return kinds if self.formulas.even else [*kinds, Crossing.FLUTTER]
 
     def forms(self, piece: FormulaPiece) -> list[Form]:
         """The functions of the polynomial."""
@@ -532,7 +532,7 @@ class FormulaMeetings(Meetings):
         key = value, bits
         if key not in self._known:
             with precision(bits):
-                a, q = self.line.given(value)
+                a, q = self.line.numbers_at(value)
                 coefficients, _, positive = self.formulas(series_algebra(), a, q)
                 if not all(v > 0 for v in positive):
                     return None

@@ -74,7 +74,7 @@ ALONG = "an eigenvalue stays on the imaginary axis along all of it, as far as {b
 
 
 @dataclass(frozen=True)
-class Pieces:
+class AxisPieces:
     """What was proved along an axis."""
 
     leaves: tuple[Leaf, ...]
@@ -95,7 +95,7 @@ def pieces(
     log: bool = False,
     singular: Mapping[float, str] | None = None,
     every: bool = False,
-) -> Pieces:
+) -> AxisPieces:
     """Proof along an axis of where an eigenvalue meets the imaginary axis, and where none does.
 
     Parameters
@@ -112,33 +112,37 @@ def pieces(
         Whether pieces on which another eigenvalue stays unstable are searched too.
     """
     try:
-        found = _meetings(line)
+        meetings = _meetings(line)
     except StabilityError as error:
-        found = str(error)
-    if isinstance(found, str):
-        return Pieces((Leaf(low, high, None, found),), low, high, 0)
-    found.every = every
+        meetings = str(error)
+    if isinstance(meetings, str):
+        return AxisPieces((Leaf(low, high, None, meetings),), low, high, 0)
+    meetings.every = every
     leaves, waiting, count = [], [(low, high)], 0
-    quick = quick_pieces(found, low, high, log=log) if isinstance(found, FormulaMeetings) else None
+    quick = (
+        quick_pieces(meetings, low, high, log=log)
+        if isinstance(meetings, FormulaMeetings)
+        else None
+    )
     if quick is not None:
         leaves, waiting, count = list(quick.leaves), list(quick.left), quick.count
         if not waiting:
-            return Pieces(tuple(_joined(leaves)), low, high, count)
+            return AxisPieces(tuple(_joined(leaves)), low, high, count)
     tests = [low + share * (high - low) for share in (0.2718, 0.5772, 0.8541)]
     if (
         not leaves
-        and not any(found.clear(v) for v in tests)
-        and any(found.root(v) is not None for v in tests)
+        and not any(meetings.clear(v) for v in tests)
+        and any(meetings.root(v) is not None for v in tests)
     ):
         reason = ALONG.format(bits=BITS)
-        return Pieces((Leaf(low, high, None, reason),), low, high, len(tests))
+        return AxisPieces((Leaf(low, high, None, reason),), low, high, len(tests))
     least = FINEST * max(abs(low), abs(high))
-    ends = _beyond(found, low, -least), _beyond(found, high, least)
+    ends = _beyond(meetings, low, -least), _beyond(meetings, high, least)
     waiting = [(ends[0] if a == low else a, ends[1] if b == high else b) for a, b in waiting]
-    search = _Search(found, *ends, least, log=log and ends[0] > 0)
+    search = _PieceSearch(meetings, *ends, least, log=log and ends[0] > 0)
     search.singular = singular or {}
     searched = search.run(waiting, count)
-    return Pieces(tuple(_joined([*leaves, *searched[0]])), *ends, searched[1])
+    return AxisPieces(tuple(_joined([*leaves, *searched[0]])), *ends, searched[1])
 
 
 def _meetings(line: AxisScan) -> Meetings | str:
@@ -148,37 +152,37 @@ def _meetings(line: AxisScan) -> Meetings | str:
     zeros = structure(family).zeros
     if not line.problem.derived and not certain(family):
         return "the number of eigenvalues that are zero by structure is not proved for all members"
-    found = GraphMeetings(line, zeros)
-    if not found.even and zeros < 2:
+    meetings = GraphMeetings(line, zeros)
+    if not meetings.even and zeros < 2:
         return DiscMeetings(line, zeros)
-    largest = max(map(len, found.blocks))
+    largest = max(map(len, meetings.blocks))
     if largest > MOST_STATES:
         return (
             f"the linearisation has a block of {largest} states; where its spectrum is symmetric, "
             f"or several eigenvalues are zero by structure, pieces are proved up to {MOST_STATES}"
         )
-    return found
+    return meetings
 
 
-def _beyond(found: Meetings, end: float, step: float) -> float:
+def _beyond(meetings: Meetings, end: float, step: float) -> float:
     """The end, or a number a little beyond where an eigenvalue is on the axis at the end itself."""
-    if found.root(end) is None or found.clear(end):
+    if meetings.root(end) is None or meetings.clear(end):
         return end
     for factor in (5.3, 37.1, 1021.7):
-        if found.clear(end + factor * step):
+        if meetings.clear(end + factor * step):
             return end + factor * step
     return end
 
 
-class _Search:
+class _PieceSearch:
     """Pieces in the order of their width, widest first."""
 
     def __init__(
-        self, found: Meetings, low: float, high: float, least: float, *, log: bool
+        self, meetings: Meetings, low: float, high: float, least: float, *, log: bool
     ) -> None:
-        self.found, self.low, self.high = found, low, high
+        self.meetings, self.low, self.high = meetings, low, high
         self.least, self.log = least, log
-        self.most, self.lost = found.most, 0
+        self.most, self.lost = meetings.most, 0
         self.singular: Mapping[float, str] = {}
 
     def run(self, waiting: list[tuple[float, float]], count: int) -> tuple[list[Leaf], int]:
@@ -188,7 +192,7 @@ class _Search:
         leaves: list[Leaf] = []
         self.most += count
         while heap:
-            if not self.found.prepared(middle_of(*heap[0][1:3])):
+            if not self.meetings.prepared(middle_of(*heap[0][1:3])):
                 self._prepare([waiting[1:3] for waiting in heap[: self.most - count]])
             _, low, high, reason = heapq.heappop(heap)
             if count >= self.most:
@@ -211,7 +215,7 @@ class _Search:
     def _prepare(self, waiting: list[tuple[float, float]]) -> None:
         """Members in all pieces that wait, at once: one at a time each takes as long as all."""
         places = (middle_of, lambda low, high: self._at(low, high, CUT))
-        self.found.prepare([*chain(*waiting), *(at(*pair) for pair in waiting for at in places)])
+        self.meetings.prepare([*chain(*waiting), *(at(*pair) for pair in waiting for at in places)])
 
     def _width(self, low: float, high: float) -> float:
         return math.log(high / low) if self.log else high - low
@@ -219,7 +223,7 @@ class _Search:
     def _cut(self, low: float, high: float) -> float:
         """Where a piece is cut: not where an eigenvalue is on the axis, if that can be avoided."""
         cuts = [self._at(low, high, share) for share in (CUT, *OTHER_CUTS)]
-        return next((c for c in cuts if self.found.clear(c)), cuts[0])
+        return next((c for c in cuts if self.meetings.clear(c)), cuts[0])
 
     def _at(self, low: float, high: float, share: float) -> float:
         if self.log:
@@ -230,15 +234,15 @@ class _Search:
         width = leaf.high - leaf.low
         if width <= self.least or not leaf.low < cut < leaf.high:
             return False
-        if not self.found.divisible(leaf.low, leaf.high):
+        if not self.meetings.divisible(leaf.low, leaf.high):
             return False
-        here = self.found.root(middle_of(leaf.low, leaf.high)) is not None
+        here = self.meetings.root(middle_of(leaf.low, leaf.high)) is not None
         if leaf.reason == BRANCH or (leaf.reason == NO_MEMBER and not here):
             self.lost += 1
             if self.lost > MOST_LOST:
                 return False
         if leaf.reason == NO_MEMBER and width < EXPLORED * (self.high - self.low):
-            return any(self.found.root(v) is not None for v in (leaf.low, cut, leaf.high))
+            return any(self.meetings.root(v) is not None for v in (leaf.low, cut, leaf.high))
         return True
 
     def _singular(self, low: float, high: float) -> Leaf | None:
@@ -252,11 +256,11 @@ class _Search:
     def _examined(self, low: float, high: float) -> Leaf:
         try:
             with precision(BITS):
-                piece = self.found.piece(low, high)
-                if not self.found.joined(piece):
+                piece = self.meetings.piece(low, high)
+                if not self.meetings.joined(piece):
                     return Leaf(low, high, None, BRANCH)
-                count = self.found.zeros_in(piece)
-                near = self.found.near(piece) if count == 1 else None
+                count = self.meetings.zeros_in(piece)
+                near = self.meetings.near(piece) if count == 1 else None
         except NoMemberError:
             return Leaf(low, high, None, NO_MEMBER)
         except (NoValueError, ZeroDivisionError, OverflowError):
@@ -300,20 +304,20 @@ def scanned(line: AxisScan, grid: Floats, why: str = "") -> Boundaries:
         If there is no member at any point.
     """
     values = [float(v) for v in grid]
-    signs, left = _signs(line, values)
-    known = [i for i, s in enumerate(signs) if s]
-    if not known:
+    signs, left = _scan_signs(line, values)
+    signed = [i for i, s in enumerate(signs) if s]
+    if not signed:
         reason = (
             f"no verdict is proved at any of the {len(grid)} points of the scan: eigenvalues stay "
             "on the imaginary axis, or coincide, as far as the budget of precision sees."
         )
         return Boundaries((), (Unresolved(values[0], values[-1], reason),), how=SCANNED)
-    for end, first in ((0, known[0]), (len(values) - 1, known[-1])):
+    for end, first in ((0, signed[0]), (len(values) - 1, signed[-1])):
         if end != first:
             low, high = sorted((values[end], values[first]))
             left.append(Unresolved(low, high, _no_verdict(values[end])))
     points: list[BoundaryPoint] = []
-    for i, j in zip(known[:-1], known[1:], strict=True):
+    for i, j in zip(signed[:-1], signed[1:], strict=True):
         point = _between(line, values[i : j + 1], changed=signs[i] != signs[j])
         if point is not None:
             points.append(point)
@@ -333,23 +337,23 @@ def scanned(line: AxisScan, grid: Floats, why: str = "") -> Boundaries:
     return Boundaries(tuple(points), tuple(left), how=SCANNED)
 
 
-def _signs(line: AxisScan, values: Sequence[float]) -> tuple[list[int], list[Unresolved]]:
+def _scan_signs(line: AxisScan, values: Sequence[float]) -> tuple[list[int], list[Unresolved]]:
     """Signs by `look` at the points of a scan, and the points without a member."""
-    found: list[tuple[Verdict, bool]] = []
+    verdicts: list[tuple[Verdict, bool]] = []
     left: list[Unresolved] = []
     errors: list[StabilityError] = []
     for value in values:
         try:
-            found.append(line.look(value))
+            verdicts.append(line.look(value))
         except StabilityError as error:
-            found.append((Verdict.UNDECIDED, False))
+            verdicts.append((Verdict.UNDECIDED, False))
             errors.append(error)
             left.append(Unresolved(value, value, f"no verdict there: {error}"))
     if len(errors) == len(values):
         raise errors[0]
     # among decaying members a neutral one is on a boundary; without these neutral is good
-    line.neutral = all(verdict not in DECAYING for verdict, _ in found)
-    return [line.sign_of(*pair) for pair in found], left
+    line.neutral = all(verdict not in DECAYING for verdict, _ in verdicts)
+    return [line.sign_of(*pair) for pair in verdicts], left
 
 
 def _no_verdict(value: float) -> str:
@@ -400,12 +404,12 @@ def proved(
         As for `pieces`.
     """
     low, high = float(grid[0]), float(grid[-1])
-    found = pieces(line, low, high, log=log, singular=singular)
-    if all(leaf.meetings is None for leaf in found.leaves):
-        return scanned(line, grid, found.leaves[0].reason)
+    searched = pieces(line, low, high, log=log, singular=singular)
+    if all(leaf.meetings is None for leaf in searched.leaves):
+        return scanned(line, grid, searched.leaves[0].reason)
     points: list[BoundaryPoint] = []
     left: list[Unresolved] = []
-    for leaf in found.leaves:
+    for leaf in searched.leaves:
         if leaf.meetings is None:
             part = _open(line, leaf, grid)
         elif leaf.meetings:
@@ -415,20 +419,20 @@ def proved(
         points += part[0]
         left += part[1]
     inside = [p for p in points if low <= p.value + p.error and p.value - p.error <= high]
-    return Boundaries(tuple(inside), tuple(left), how=how_in_pieces(line, found))
+    return Boundaries(tuple(inside), tuple(left), how=how_in_pieces(line, searched))
 
 
-def how_in_pieces(line: AxisScan, found: Pieces) -> str:
+def how_in_pieces(line: AxisScan, searched: AxisPieces) -> str:
     """How an axis was searched, in words."""
     family = line.problem.family
     solved = family.unknown and not family.closed
-    return PIECES.format(count=found.count) + (f", {ON_ONE_BRANCH}" if solved else "")
+    return PIECES.format(count=searched.count) + (f", {ON_ONE_BRANCH}" if solved else "")
 
 
-Part = tuple[list[BoundaryPoint], list[Unresolved]]
+LeafResult = tuple[list[BoundaryPoint], list[Unresolved]]
 
 
-def _meeting(line: AxisScan, leaf: Leaf, low: float, high: float) -> Part:
+def _meeting(line: AxisScan, leaf: Leaf, low: float, high: float) -> LeafResult:
     """The change at the meetings of a piece: one or two, so that ends that differ mean one."""
     first, last = max(leaf.low, low), min(leaf.high, high)
     try:
@@ -439,7 +443,7 @@ def _meeting(line: AxisScan, leaf: Leaf, low: float, high: float) -> Part:
         if signs[0] == signs[1] != 0 and leaf.meetings == 1:
             return [], []
         if signs[0] * signs[1] < 0 and leaf.meetings in (1, 2):
-            point = _at_end(line, leaf, low, high) or _near(line, leaf)
+            point = _at_end(line, leaf, low, high) or _change_at(line, leaf)
             point = point or refine(line, leaf.low, leaf.high)
             if point is not None:
                 return [point], []
@@ -460,15 +464,15 @@ def _at_once(line: AxisScan, leaf: Leaf) -> BoundaryPoint | None:
     sides = leaf.near[0] - step, leaf.near[0] + step
     if not leaf.low <= sides[0] < sides[1] <= leaf.high:
         return None
-    return _near(line, leaf) if line.sign(sides[0]) * line.sign(sides[1]) < 0 else None
+    return _change_at(line, leaf) if line.sign(sides[0]) * line.sign(sides[1]) < 0 else None
 
 
-def _near(line: AxisScan, leaf: Leaf) -> BoundaryPoint | None:
+def _change_at(line: AxisScan, leaf: Leaf) -> BoundaryPoint | None:
     """The change at a meeting that is known to double precision."""
     if leaf.near is None:
         return None
-    found = bracketed(line, *leaf.near, sure=leaf.sure)
-    return found if found and found.error <= NARROW * np.spacing(abs(found.value)) else None
+    change = bracketed(line, *leaf.near, sure=leaf.sure)
+    return change if change and change.error <= NARROW * np.spacing(abs(change.value)) else None
 
 
 def _at_end(line: AxisScan, leaf: Leaf, low: float, high: float) -> BoundaryPoint | None:
@@ -479,20 +483,20 @@ def _at_end(line: AxisScan, leaf: Leaf, low: float, high: float) -> BoundaryPoin
     return None
 
 
-def _open(line: AxisScan, leaf: Leaf, grid: Floats) -> Part:
+def _open(line: AxisScan, leaf: Leaf, grid: Floats) -> LeafResult:
     """What a scan finds on a piece without proof, which stays unresolved."""
     first, last = max(leaf.low, float(grid[0])), min(leaf.high, float(grid[-1]))
     inside = grid[(grid > leaf.low) & (grid < leaf.high)]
     before = line.neutral
     try:
-        found = list(scanned(line, np.array([leaf.low, *inside, leaf.high])))
+        points = list(scanned(line, np.array([leaf.low, *inside, leaf.high])))
     except StabilityError:  # no member at any point: the reason says so
-        found = []
+        points = []
     finally:
         line.neutral = before
     if NO_VALUE in leaf.reason:  # through a pole the verdict changes, and no eigenvalue is zero
-        found = [point for point in found if _has_value(line, point)]
-    return found, [Unresolved(first, last, f"{leaf.reason}.")]
+        points = [point for point in points if _has_value(line, point)]
+    return points, [Unresolved(first, last, f"{leaf.reason}.")]
 
 
 def _has_value(line: AxisScan, point: BoundaryPoint) -> bool:
@@ -505,14 +509,14 @@ def _has_value(line: AxisScan, point: BoundaryPoint) -> bool:
             return False
 
 
-Found = TypeVar("Found", Boundaries, Crossings)
+AxisResult = TypeVar("AxisResult", Boundaries, Crossings)
 MOST_PARTS = 600
 """Largest number of pieces."""
 UNSURE = "whether the conditions of {system} hold here is not decided"
 FAILS = "{family} has no member here, since a condition of {system} fails: {sentence}"
 
 
-def meaningful(line: AxisScan, low: float, high: float, found: Found) -> Found:
+def meaningful(line: AxisScan, low: float, high: float, result: AxisResult) -> AxisResult:
     """A result without the parts of the axis on which the system's conditions are not proved.
 
     Parameters
@@ -521,7 +525,7 @@ def meaningful(line: AxisScan, low: float, high: float, found: Found) -> Found:
         The line.
     low, high
         Ends of the interval.
-    found
+    result
         What was found without regard to the conditions.
 
     Returns
@@ -530,21 +534,23 @@ def meaningful(line: AxisScan, low: float, high: float, found: Found) -> Found:
         These parts are unresolved, each with the condition.
     """
     if not line.problem.plain or not line.problem.family.system.conditions:
-        return found
+        return result
     parts: list[Unresolved] = [
-        u for u in _Conditions(line).fail(low, high) if not _inside(u, found.unresolved)
+        u for u in _Conditions(line).fail(low, high) if not _inside(u, result.unresolved)
     ]
     if not parts:
-        return found
+        return result
 
     def free(value: float, error: float = 0.0) -> bool:
         return not any(u.low <= value + error and value - error <= u.high for u in parts)
 
     return replace(
-        found,
-        points=tuple(p for p in found.points if free(p.value, p.error)),
-        touching=tuple(v for v in found.touching if free(v)),
-        unresolved=tuple(sorted([*(u for u in found.unresolved if not _inside(u, parts)), *parts])),
+        result,
+        points=tuple(p for p in result.points if free(p.value, p.error)),
+        touching=tuple(v for v in result.touching if free(v)),
+        unresolved=tuple(
+            sorted([*(u for u in result.unresolved if not _inside(u, parts)), *parts])
+        ),
     )
 
 
@@ -607,14 +613,14 @@ class _Conditions:
 
     def _values(self, place: Any, near: list[float]) -> list[Any]:
         family = self.family
-        a, q = self.line.given(place)
+        a, q = self.line.numbers_at(place)
         u = ball_unknowns(family, a, q, near)
         states = [arb(row[0]) for row in family.graph.state.dense(balls(), [a, u, q])]
-        known = dict(zip((*family.at, *family.parameters), (*a, *q), strict=True))
-        own = [known[n] for n in family.system.parameters]
+        values = dict(zip((*family.at, *family.parameters), (*a, *q), strict=True))
+        parameters = [values[n] for n in family.system.parameters]
         return [
             arb(v[0]) if v else arb(0)
-            for v in family.system.condition_program.run(balls(), [states, own])
+            for v in family.system.condition_program.run(balls(), [states, parameters])
         ]
 
 

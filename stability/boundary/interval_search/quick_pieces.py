@@ -72,7 +72,7 @@ class Leaf:
 
 
 @dataclass(frozen=True)
-class Quick:
+class DoublesProof:
     """What doubles prove along an axis."""
 
     leaves: tuple[Leaf, ...]
@@ -83,25 +83,27 @@ class Quick:
     """Number of pieces that were examined."""
 
 
-def quick_pieces(found: FormulaMeetings, low: float, high: float, *, log: bool) -> Quick | None:
+def quick_pieces(
+    meetings: FormulaMeetings, low: float, high: float, *, log: bool
+) -> DoublesProof | None:
     """Pieces of an interval, proved in doubles; None where the formulas have no kernel.
 
     Parameters
     ----------
-    found
+    meetings
         The functions along a line.
     low, high
         Ends of the interval.
     log
         Whether pieces are cut at equal ratios.
     """
-    rounds = rounds_of(found)
+    rounds = rounds_of(meetings)
     return None if rounds is None else rounds.run(low, high, log=log)
 
 
-def rounds_of(found: FormulaMeetings) -> Rounds | None:
+def rounds_of(meetings: FormulaMeetings) -> Rounds | None:
     """Rounds of pieces with the kernel of a line's formulas; None where these have none."""
-    line = found.line
+    line = meetings.line
     names = (*line.problem.family.at, *line.problem.family.parameters)
     if line.problem.ratios or not line.problem.plain or line.axis not in names:
         return None
@@ -109,22 +111,22 @@ def rounds_of(found: FormulaMeetings) -> Rounds | None:
     place = names.index(line.axis)
     values = np.array([line.fixed.get(n, 0.0) for n in names])
     errors = np.zeros(len(names))
-    if isinstance(found.formulas, ImplicitForm):
-        if place - cut in found.formulas.used:
+    if isinstance(meetings.formulas, ImplicitForm):
+        if place - cut in meetings.formulas.used:
             return None
         with precision(BITS), suppress(NoMemberError):
-            ball = found.formulas.solved(balls(), [arb(v) for v in values[cut:]])
+            ball = meetings.formulas.solved(balls(), [arb(v) for v in values[cut:]])
             off = float((ball - arb(float(ball.mid()))).abs_upper())
             values = np.insert(values, cut, float(ball.mid()))
             errors = np.insert(errors, cut, np.nextafter(off, np.inf))
         place += place >= cut
     try:
-        tapes = [_tape(found.formulas, place, order) for order in (ORDER, ORDER - 1, 1)]
+        tapes = [_tape(meetings.formulas, place, order) for order in (ORDER, ORDER - 1, 1)]
     except StabilityError:
         return None
     if len(values) < tapes[0].inputs:  # no root is proved
         return None
-    return Rounds(found, tapes, (values, errors), place)
+    return Rounds(meetings, tapes, (values, errors), place)
 
 
 @lru_cache(maxsize=64)
@@ -144,17 +146,17 @@ class Rounds:
 
     def __init__(
         self,
-        found: FormulaMeetings,
+        meetings: FormulaMeetings,
         tapes: Sequence[Tape],
         inputs: tuple[Floats, Floats],
         place: int,
     ) -> None:
-        self.found, self.inputs, self.place = found, inputs, place
+        self.meetings, self.inputs, self.place = meetings, inputs, place
         self.whole, self.inner, self.slope = tapes
-        self.functions = len(found.kinds)
-        self.asked: int = found.formulas.function.numel_out(2)
+        self.functions = len(meetings.kinds)
+        self.asked: int = meetings.formulas.function.numel_out(2)
 
-    def run(self, low: float, high: float, *, log: bool) -> Quick:
+    def run(self, low: float, high: float, *, log: bool) -> DoublesProof:
         """All rounds."""
         cuts = (np.arange(FIRST + 1) + SKEW) / FIRST
         cuts = low * (high / low) ** cuts if log and low > 0 else low + (high - low) * cuts
@@ -171,10 +173,10 @@ class Rounds:
             done = free.copy()
             some = np.flatnonzero(~free & slopes.any(axis=0))
             if len(some):
-                none, found = self._turned(lows[some], highs[some], slopes[:, some])
+                none, turned = self._turned(lows[some], highs[some], slopes[:, some])
                 clear.append(np.stack([lows[some[none]], highs[some[none]]]))
-                single += [meeting for _, meeting in found]
-                done[some[none]] = done[some[[i for i, _ in found]]] = True
+                single += [meeting for _, meeting in turned]
+                done[some[none]] = done[some[[i for i, _ in turned]]] = True
             lows, highs = lows[~done], highs[~done]
             if not len(lows):
                 break
@@ -183,7 +185,7 @@ class Rounds:
                 break
             lows, highs = _cut(lows, highs, log=log and low > 0)
         leaves = *(Leaf(*ends, 0) for ends in _joined(np.hstack(clear))), *single
-        return Quick(leaves, tuple(left), count)
+        return DoublesProof(leaves, tuple(left), count)
 
     def _at(self, points: Floats, radius: Floats, tape: Tape) -> tuple[Any, Any]:
         """Coefficients as balls at points, or over pieces, shape (functions, orders, points)."""
@@ -224,18 +226,18 @@ class Rounds:
         value, error = (v[: self.functions, 0].reshape(-1, 2, count) for v in (m, r))
         sure = ((np.abs(value) > error).all(axis=1) | ~open_).all(axis=0)
         turned = ((value[:, 0] > 0) != (value[:, 1] > 0)) & open_
-        one = np.flatnonzero(sure & (turned.sum(axis=0) == 1))
-        which = np.argmax(turned[:, one], axis=0)
-        rises = value[which, 1, one] > 0
-        roots = self._roots(lows[one], highs[one], which, rises) if len(one) else ()
-        found = [
-            Leaf(float(lows[i]), float(highs[i]), 1, "", self._near(root, k))
-            for i, k, root in zip(one, which, roots, strict=True)
+        single = np.flatnonzero(sure & (turned.sum(axis=0) == 1))
+        which = np.argmax(turned[:, single], axis=0)
+        rises = value[which, 1, single] > 0
+        roots = self._roots(lows[single], highs[single], which, rises) if len(single) else ()
+        leaves = [
+            Leaf(float(lows[i]), float(highs[i]), 1, "", self._root_and_crossing(root, k))
+            for i, k, root in zip(single, which, roots, strict=True)
         ]
-        return sure & ~turned.any(axis=0), list(zip(one.tolist(), found, strict=True))
+        return sure & ~turned.any(axis=0), list(zip(single.tolist(), leaves, strict=True))
 
-    def _near(self, root: float, which: int) -> tuple[float, Crossing] | None:
-        kind = self.found.kinds[which]
+    def _root_and_crossing(self, root: float, which: int) -> tuple[float, Crossing] | None:
+        kind = self.meetings.kinds[which]
         return None if kind is None else (root, kind)
 
     def _roots(self, lows: Floats, highs: Floats, which: NDArray[Any], rises: Flags) -> list[float]:
@@ -270,7 +272,7 @@ class Rounds:
     def _polished(self, here: float, slope: float, which: int, low: float, high: float) -> float:
         """A zero to all digits of a double, by balls."""
         for _ in range(POLISHED):
-            exact = self.found.values(here, BITS, None)
+            exact = self.meetings.values(here, BITS, None)
             step = float(arb(exact[which]).mid()) / slope if exact is not None and slope else 0.0
             if low <= here - step <= high:
                 here -= step

@@ -114,10 +114,10 @@ def _power(x: Any, y: Any) -> Any:
 
 
 def _plain(name: str) -> Callable[[Any], Any]:
-    def apply(x: Any) -> Any:
+    def plain(x: Any) -> Any:
         return getattr(x if isinstance(x, arb_series) else arb(x), name)()
 
-    return apply
+    return plain
 
 
 LACKING = ("expm1", "log1p", "asinh", "acosh", "atanh")
@@ -125,12 +125,12 @@ LACKING = ("expm1", "log1p", "asinh", "acosh", "atanh")
 
 
 def _by_slope(name: str, slope: Callable[[Any], Any]) -> Callable[[Any], Any]:
-    def apply(x: Any) -> Any:
+    def integrated(x: Any) -> Any:
         if not isinstance(x, arb_series):
             return getattr(arb(x), name)()
         return (slope(x) * x.derivative()).integral() + getattr(x[0], name)()
 
-    return apply
+    return integrated
 
 
 def _angle(y: Any, x: Any) -> Any:
@@ -195,8 +195,8 @@ def entries_of(
 ) -> list[Any]:
     """As `linearisation`, the entries that are not zero for all members, as series or numbers."""
     u = _unknowns(family, a, q, start, count)
-    found: list[Any] = family.graph.matrix.run(series_algebra(), [a, u, q])[0]
-    return found
+    entries: list[Any] = family.graph.matrix.run(series_algebra(), [a, u, q])[0]
+    return entries
 
 
 def _unknowns(
@@ -208,15 +208,15 @@ def _unknowns(
     plain = [[coefficient(v, 0) for v in some] for some in (a, q)]
     _, stored = family.graph.residual.run(balls(), [plain[0], start, plain[1]])
     slope = arb_mat(family.graph.place(stored))
-    found = [[u] for u in start]
+    series = [[u] for u in start]
     for k in range(1, count):
-        u = [arb_series([*c, 0]) for c in found]
+        u = [arb_series([*c, 0]) for c in series]
         rates, _ = family.graph.residual.run(series_algebra(), [a, u, q])
-        right = arb_mat(len(found), 1, [-coefficient(r, k) for r in rates])
+        right = arb_mat(len(series), 1, [-coefficient(r, k) for r in rates])
         solved = slope.solve(right, algorithm="precond")
-        for i, c in enumerate(found):
+        for i, c in enumerate(series):
             c.append(solved[i, 0])
-    return [arb_series(c) for c in found]
+    return [arb_series(c) for c in series]
 
 
 # --- forms ---

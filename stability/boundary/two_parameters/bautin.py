@@ -41,13 +41,13 @@ from ...derivation.signs import real_roots
 from ...polynomials.characteristic import CharacteristicPolynomial
 from ...spectra.problem import Problem
 from ..lyapunov_coefficient import (
-    Derivatives,
+    DerivativePrograms,
     derivatives,
 )
 from .plane_search import (
     EXACT_BITS,
     SEVERAL,
-    Place,
+    PlanePoint,
     PolynomialPair,
     Rectangle,
     judged_places,
@@ -86,7 +86,7 @@ class OnsetForms:
 
     def __init__(self, reading: CharacteristicPolynomial) -> None:
         self.reading, self.field = reading, reading.field
-        self.d: Derivatives = derivatives(reading.family.judged)
+        self.d: DerivativePrograms = derivatives(reading.family.judged)
         self.kept = self.d.kept
         self.mu = self.field.generator(reading.lam)
         self.zero = self.field.ring.constant(0)
@@ -121,8 +121,10 @@ class OnsetForms:
         program = self.d.second if order == 2 else self.d.third
         entries: dict[Any, Any] = {}
         for places in combinations_with_replacement(self.kept, order):
-            found = program.run(exact_upright(), [*self.reading.place, *map(self._unit, places)])[0]
-            entries |= {(i, *places): found[i] for i in self.kept if found[i] != 0}
+            values = program.run(exact_upright(), [*self.reading.place, *map(self._unit, places)])[
+                0
+            ]
+            entries |= {(i, *places): values[i] for i in self.kept if values[i] != 0}
         return self._cleared(entries)
 
     # --- the ring ---
@@ -210,9 +212,9 @@ class _Projection:
         if p == 0:
             return p
         p = forms.reading.triangular.reduce([p])[0] if not forms.reading.triangular.kept else p
-        found, _, _ = remainder(p, self.modulus, forms.reading.lam, forms.field.reduced)
-        forms.reading.budget.watch(found)
-        return found
+        rest, _, _ = remainder(p, self.modulus, forms.reading.lam, forms.field.reduced)
+        forms.reading.budget.watch(rest)
+        return rest
 
     def times(self, *some: Poly) -> Poly:
         """A product."""
@@ -423,13 +425,13 @@ class ExactSearch:
 
     def _roots(self) -> dict[int, tuple[Any, Any]]:
         """(numerator, denominator) of the square of each variable that is a square root."""
-        found = {i: (s, self.reading.field.one) for i, s in self.reading.field.squares.items()}
+        squares = {i: (s, self.reading.field.one) for i, s in self.reading.field.squares.items()}
         for index, equation in self.reading.triangular.kept:
             parts = by_power(equation, index)
             if set(parts) != {0, 2}:
                 raise NotExact("an unknown that is no square root of a rational function")
-            found[index] = -parts[0], parts[2]
-        return found
+            squares[index] = -parts[0], parts[2]
+        return squares
 
     def _axes(self) -> tuple[tuple[int, int], tuple[str, str]]:
         """Index of the variable of each axis, and its function."""
@@ -437,20 +439,20 @@ class ExactSearch:
         places, turns = [], []
         used = set().union(*(self._used(f) for f in self.forms)) if self.forms else set()
         for axis, name in enumerate(self.names):
-            own = reading.base.index(name)
+            index = reading.base.index(name)
             cosine = [
                 i
                 for i, (function, x, _) in reading.field.meaning.items()
-                if function == "cos" and x.num == reading.field.generator(own) and x.den == 1
+                if function == "cos" and x.num == reading.field.generator(index) and x.den == 1
             ]
             turned = bool(cosine) and bool(
-                used & {i for i in reading.field.meaning if own in reading.field.uses(i)}
+                used & {i for i in reading.field.meaning if index in reading.field.uses(i)}
             )
-            if turned and own in used:
+            if turned and index in used:
                 raise NotExact("an axis and its sine occur together")
             if turned:
                 ExactPlane([], ("cos", "cos")).ends(axis, *self.rectangle[axis])
-            places.append(cosine[0] if turned else own)
+            places.append(cosine[0] if turned else index)
             turns.append("cos" if turned else "")
         left = used - {*places, *self.roots, reading.lam}
         if left:
@@ -508,19 +510,19 @@ class ExactSearch:
 
     def run(self) -> tuple[list[Vanishing], list[UnresolvedBox]]:
         """Every point in the closed rectangle, and what stays open."""
-        found: list[Vanishing] = []
+        vanishing: list[Vanishing] = []
         several = not self.reading.triangular.alone
         left = [UnresolvedBox(KIND, *self.rectangle, SEVERAL)] if several else []
         with precision(EXACT_BITS[-1]):
             self.inner = tuple(self.plane.ends(i, *e) for i, e in enumerate(self.rectangle))
         for form in self.forms:
             judge = _Judge(self, form)
-            for one in self._factors(judge.meeting):
-                for other in self._factors(judge.first):
-                    points, open_ = self._solved(judge, one, other)
-                    found += points
+            for meeting in self._factors(judge.meeting):
+                for first in self._factors(judge.first):
+                    points, open_ = self._solved(judge, meeting, first)
+                    vanishing += points
                     left += open_
-        return found, left
+        return vanishing, left
 
     def _factors(self, poly: Any) -> list[_Equation]:
         """Factors of a norm, without those that vanish where the coefficient has no value."""
@@ -544,10 +546,10 @@ class ExactSearch:
         return [p for p in map(self.norm, some) if not p.is_constant()]
 
     def _solved(
-        self, judge: _Judge, one: _Equation, other: _Equation
+        self, judge: _Judge, meeting: _Equation, first: _Equation
     ) -> tuple[list[Vanishing], list[UnresolvedBox]]:
-        common = one.factor.gcd(other.factor)  # a large polynomial may be left in one factor
-        f, g = one.factor / common, other.factor / common
+        common = meeting.factor.gcd(first.factor)  # a large polynomial may be left in one factor
+        f, g = meeting.factor / common, first.factor / common
         along = not common.is_constant() and meets(common, self.inner)
         whole = [UnresolvedBox(KIND, *self.rectangle, ALONG)] if along else []
         if any(p.is_constant() or not meets(p, self.inner) for p in (f, g)):
@@ -559,9 +561,9 @@ class ExactSearch:
                 f"more than {MOST_DEGREE}"
             )
         pair = PolynomialPair(f, g)
-        simple = one.count % 2 == 1 and other.count % 2 == 1
+        simple = meeting.count % 2 == 1 and first.count % 2 == 1
 
-        def judged(place: Place) -> tuple[Vanishing | None, str]:
+        def judged(place: PlanePoint) -> tuple[Vanishing | None, str]:
             try:
                 return judge.judged(pair, place, simple=simple), ""
             except NoMemberError:
@@ -569,8 +571,8 @@ class ExactSearch:
             except (NotProvedError, StabilityError, ArithmeticError):
                 return None, "" if self._without_value(f, pair.sides, place) else OPEN
 
-        found, left = judged_places(self.plane, KIND, self.rectangle, pair, judged)
-        return found, whole + left
+        points, left = judged_places(self.plane, KIND, self.rectangle, pair, judged)
+        return points, whole + left
 
     def _without_value(self, f: Any, sides: Sequence[Any], place: tuple[Any, Any]) -> bool:
         """Whether an eigenvalue is proved to vanish at a candidate on a boundary f = 0."""
@@ -607,8 +609,8 @@ class _Judge:
     def _root(self, size: int) -> tuple[Any, Any]:
         """The common root as -low/high."""
         if size > 1:
-            found = subresultant(self.even, self.odd, 1)
-            return found[0], found[1]
+            linear = subresultant(self.even, self.odd, 1)
+            return linear[0], linear[1]
         row = self.odd if len(self.odd) == 2 else self.even
         return row[0], row[1]
 
@@ -624,47 +626,47 @@ class _Judge:
         """
         search = self.search
         axes = [search.plane.back(i, v) for i, v in enumerate(place)]
-        known = self._member(axes)
-        if search.reading.elsewhere(known) is not None:
+        values = self._member(axes)
+        if search.reading.elsewhere(values) is not None:
             return None  # a member of another branch
-        left = list(self._vanishing(known))
-        if not left or evaluate(search.forms_of.characteristic[0], known) == 0:
+        left = list(self._vanishing(values))
+        if not left or evaluate(search.forms_of.characteristic[0], values) == 0:
             return None  # with an eigenvalue zero there is no coefficient
         image, box = tested(pair, [v.mid() for v in place])
         if not simple or not all(b.contains(v) for b, v in zip(box, place, strict=True)):
             raise NotProvedError
         axes = [search.plane.back(i, v) for i, v in enumerate(image)]
-        known = self._member(axes)
+        values = self._member(axes)
         for poly in (self.meeting, self.first):
             for other in search.conjugates(poly):
-                _apart(evaluate(other, known))
-        high = _apart(evaluate(self.high, known))
-        z = -evaluate(self.low, known) / high
+                _apart(evaluate(other, values))
+        high = _apart(evaluate(self.high, values))
+        z = -evaluate(self.low, values) / high
         if _apart(z) > 0:
             return None  # opposite real eigenvalues
         mu = acb(0, (-z).sqrt())
-        _apart(abs(_at(self.apart, known, mu)))
-        scale = _apart(evaluate(search.forms_of.scale, known))
+        _apart(abs(_at(self.apart, values, mu)))
+        scale = _apart(evaluate(search.forms_of.scale, values))
         return Vanishing(
-            (axes[0], axes[1]), (-z).sqrt() / abs(scale), self._others(known, z, scale)
+            (axes[0], axes[1]), (-z).sqrt() / abs(scale), self._others(values, z, scale)
         )
 
     def _member(self, axes: Sequence[Any]) -> dict[int, Any]:
         search = self.search
         point = search.values | dict(zip(search.names, axes, strict=True))
-        known = search.reading.member(point)
-        if not all(v.is_finite() for v in known.values()):
+        values = search.reading.member(point)
+        if not all(v.is_finite() for v in values.values()):
             raise NotProvedError
         names = list(search.reading.base)
         for name in search.reading.family.positive:
-            if not known[names.index(name)] > 0:
+            if not values[names.index(name)] > 0:
                 raise NoMemberError(f"{name} is not proved to be positive.")
-        return known
+        return values
 
-    def _vanishing(self, known: dict[int, Any]) -> Iterator[Any]:
+    def _vanishing(self, values: dict[int, Any]) -> Iterator[Any]:
         """Common roots z of E and O that may be negative, and at which N may vanish."""
         rows = [
-            [arb(evaluate(c, known)) for c in row]
+            [arb(evaluate(c, values)) for c in row]
             for row in (self.even, self.odd, self.coefficient)
         ]
         monic = rows[0] if len(rows[0]) > len(rows[1]) else rows[1]
@@ -677,9 +679,9 @@ class _Judge:
             if all(abs(_sum(row, z)).contains(0) for row in rows):
                 yield z
 
-    def _others(self, known: dict[int, Any], z: Any, scale: Any) -> int:
+    def _others(self, values: dict[int, Any], z: Any, scale: Any) -> int:
         """Whether all other eigenvalues are stable."""
-        p = [arb(evaluate(c, known)) for c in self.search.forms_of.characteristic]
+        p = [arb(evaluate(c, values)) for c in self.search.forms_of.characteristic]
         rest = [c * scale**k for k, c in enumerate(p)]
         quotient = divided(rest, [-z / scale**2, arb(0), arb(1)])
         return hurwitz_sign([c / quotient[-1] for c in quotient])
@@ -693,8 +695,8 @@ def _apart(value: Any) -> Any:
     return ball
 
 
-def _at(row: Sequence[Any], known: dict[int, Any], mu: Any) -> Any:
-    return _sum([arb(evaluate(c, known)) for c in row], mu)
+def _at(row: Sequence[Any], values: dict[int, Any], mu: Any) -> Any:
+    return _sum([arb(evaluate(c, values)) for c in row], mu)
 
 
 def _sum(row: Sequence[Any], x: Any) -> Any:

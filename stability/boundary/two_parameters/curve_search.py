@@ -32,7 +32,7 @@ from ...systems.family import Family
 from ..brackets import Crossing
 from ..hopf import rounded
 from ..lyapunov_coefficient import (
-    Line,
+    OneParameterFamily,
     Pair,
     PairEquations,
     coefficients,
@@ -41,7 +41,7 @@ from ..lyapunov_coefficient import (
     signed,
     solved_pair,
 )
-from .defining_systems import DefiningSystem, Sheet
+from .defining_systems import DefiningSystem, MemberSheet
 from .planes import Nature
 from .point_records import CurveOfZeros, PointKind
 
@@ -93,7 +93,7 @@ class ProvedPoint:
 
 
 @dataclass
-class Curve:
+class SingularCurve:
     """A curve of folds or of pairs."""
 
     system: DefiningSystem
@@ -118,7 +118,7 @@ class CurveSearch:
 
     problem: Problem
     axes: tuple[Axis, Axis]
-    curves: list[Curve] = field(default_factory=list)
+    curves: list[SingularCurve] = field(default_factory=list)
     """Curves of folds and of pairs."""
     points: list[ProvedPoint] = field(default_factory=list)
     """What was proved."""
@@ -126,9 +126,9 @@ class CurveSearch:
     """Whether a member was found at each crossing of two lines, and no zero is in the rectangle."""
 
     @cached_property
-    def sheet(self) -> Sheet:
+    def sheet(self) -> MemberSheet:
         """The members."""
-        return Sheet(self.problem, (self.axes[0].name, self.axes[1].name))
+        return MemberSheet(self.problem, (self.axes[0].name, self.axes[1].name))
 
     def system(self, what: PointKind | str) -> DefiningSystem:
         """The equations of a kind of point, or of the curves of folds or of pairs."""
@@ -192,9 +192,9 @@ class CurveSearch:
         """The curves within the rectangle, each with the points that are proved."""
         if not self.run():
             return []
-        return [known for curve in self.curves for known in self._pieces(curve)]
+        return [piece for curve in self.curves for piece in self._pieces(curve)]
 
-    def _pieces(self, curve: Curve) -> Iterator[CurveOfZeros]:
+    def _pieces(self, curve: SingularCurve) -> Iterator[CurveOfZeros]:
         """Parts of a curve whose points are all proved."""
         crossing = Crossing.FLUTTER if curve.system.pairs else Crossing.STATIC
         rows: list[tuple[float, float, float, float]] = []
@@ -207,7 +207,7 @@ class CurveSearch:
                 yield CurveOfZeros(crossing, x, y, error, frequency)
             rows = []
 
-    def _on_curve(self, curve: Curve, i: int) -> tuple[float, float, float, float] | None:
+    def _on_curve(self, curve: SingularCurve, i: int) -> tuple[float, float, float, float] | None:
         """A point of a curve with one parameter held; None where it is not proved, or no member."""
         z, cut = curve.z[i], self.sheet.count
         if not self._inside(z, 0):
@@ -272,11 +272,11 @@ class CurveSearch:
         a, q, *_ = self.problem.arrays(
             {**self.problem.values, self.axes[0].name: x, self.axes[1].name: y}
         )
-        found = self.problem.family.search(a, q)
-        self.covered = bool(found.good.all())
-        unknowns = found.u if self._folds else found.u[:, :0]
+        members = self.problem.family.search(a, q)
+        self.covered = bool(members.good.all())
+        unknowns = members.u if self._folds else members.u[:, :0]
         table = np.column_stack([unknowns, x, y]).reshape(*counts, -1)
-        good = found.good.reshape(counts)
+        good = members.good.reshape(counts)
         for axis in (0, 1):
             for i in range(counts[axis]):
                 row, fine = (np.moveaxis(v, axis, 0)[i] for v in (table, good))
@@ -334,10 +334,10 @@ class CurveSearch:
         for point, phases in zip(z, c, strict=True):
             if not self._inside(point, MARGIN) or (kind == "pair" and point[-1] <= 0):
                 continue
-            if not self._known(system, point):
+            if not self._is_found(system, point):
                 both = [self._walked(system, point, phases, side) for side in (-1, 1)]
                 self.curves.append(
-                    Curve(
+                    SingularCurve(
                         system,
                         np.vstack([both[0].z[::-1], both[1].z[1:]]),
                         np.vstack([both[0].phases[::-1], both[1].phases[1:]]),
@@ -350,7 +350,7 @@ class CurveSearch:
         parts = [*range(cut), *([system.size - 1] if system.pairs else [])]
         return z[..., parts]
 
-    def _known(self, system: DefiningSystem, z: Floats) -> bool:
+    def _is_found(self, system: DefiningSystem, z: Floats) -> bool:
         plain = self._plain(system, z)
         scale = self._scale(plain)
         return any(
@@ -367,7 +367,7 @@ class CurveSearch:
         side: int,
         *,
         held: int | None = None,
-    ) -> Curve:
+    ) -> SingularCurve:
         """A curve by pseudo-arclength until it leaves the rectangle, or closes."""
         scale = self._scale(z)
         points, turns = [z], [phases]
@@ -383,7 +383,7 @@ class CurveSearch:
         pace = Pace(at, scale)
         begin = pace.tangent(z, np.ones(len(z)))
         if begin is None:
-            return Curve(system, np.array(points), np.array(turns))
+            return SingularCurve(system, np.array(points), np.array(turns))
         along, _ = begin
         cut = self.sheet.count
         lead = int(np.argmax(np.abs(along[:cut])))
@@ -408,11 +408,11 @@ class CurveSearch:
                 way = np.abs(self._plain(system, z - points[0]) / self._plain(system, scale))
                 if way.max() < longest / 2:
                     break
-        return Curve(system, np.array(points), np.array(turns))
+        return SingularCurve(system, np.array(points), np.array(turns))
 
     # --- points ---
 
-    def _examine(self, curve: Curve) -> None:
+    def _examine(self, curve: SingularCurve) -> None:
         """Every point that Newton's method reaches from the points of a curve."""
         step = max(1, len(curve.z) // STARTS)
         near = curve.z[::step, : self.sheet.count]
@@ -440,7 +440,7 @@ class CurveSearch:
 
     # --- first Lyapunov coefficients ---
 
-    def _compare_signs(self, curve: Curve) -> None:
+    def _compare_signs(self, curve: SingularCurve) -> None:
         """Points of a curve of pairs at which the first Lyapunov coefficient changes sign."""
         step = max(1, len(curve.z) // STARTS)
         rows = [i for i in range(0, len(curve.z), step) if curve.z[i, -1] > 0]
@@ -448,7 +448,7 @@ class CurveSearch:
         for z in curve.z[rows]:
             try:
                 with precision(ROUGH_BITS):  # no proof yet: the sign says where to look
-                    _, equations, start = self._pair(z, 1)
+                    _, equations, start = self._pair_equations(z, 1)
                     sign = signed(_numerator(pair_of(equations, [arb(float(v)) for v in start])))
             except (NotProvedError, StabilityError, ArithmeticError):
                 before = None
@@ -457,7 +457,7 @@ class CurveSearch:
                 self._change(before[0], z)
             before = z, sign
 
-    def _pair(self, z: Floats, other: int) -> tuple[Follower, PairEquations, list[float]]:
+    def _pair_equations(self, z: Floats, other: int) -> tuple[Follower, PairEquations, list[float]]:
         """The equations of a pair with x or y held, and a point of a curve as a start."""
         names = self.sheet.axes
         follower = Follower(
@@ -483,7 +483,7 @@ class CurveSearch:
         cut = self.sheet.count
         way = np.abs(high - low)[cut - 2 : cut] / self._width
         for other in (int(np.argmax(way)), int(np.argmin(way))):
-            follower, equations, start = self._pair(low, other)
+            follower, equations, start = self._pair_equations(low, other)
             ends = float(low[cut - 2 + other]), float(high[cut - 2 + other])
             with (
                 suppress(NotProvedError, StabilityError, ArithmeticError, ValueError),
@@ -513,8 +513,8 @@ class CurveSearch:
         plain = z[: self.sheet.count]
         scale = self._scale(plain)
         return any(
-            bool((np.abs(plain - known) <= DIGITS * scale).all())
-            for other, known in self._seen
+            bool((np.abs(plain - earlier) <= DIGITS * scale).all())
+            for other, earlier in self._seen
             if other is kind
         )
 
@@ -601,9 +601,9 @@ class Follower:
     def __init__(self, family: Family, axis: str, other: str, fixed: dict[str, Any]) -> None:
         self.family, self.axis, self.other, self.fixed = family, axis, other, fixed
 
-    def line(self, place: Any) -> Line:
+    def line(self, place: Any) -> OneParameterFamily:
         """The line at a value of the other quantity."""
-        return Line(self.family, self.axis, self.fixed | {self.other: place})
+        return OneParameterFamily(self.family, self.axis, self.fixed | {self.other: place})
 
     def moved(self, near: Pair, place: Any) -> Pair:
         """The pair at another value, from one nearby, with the same phase."""

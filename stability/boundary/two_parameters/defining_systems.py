@@ -45,7 +45,7 @@ REAL = 1e-9
 """Frequency, over the largest eigenvalue, up to which an eigenvalue counts as real."""
 
 
-class Sheet:
+class MemberSheet:
     """The members of a user's family over two parameters, as points (unknowns, x, y).
 
     Parameters
@@ -78,13 +78,13 @@ class Sheet:
         self._balls = [table.get(n, arb(0)) for n in every]
         self._floats = np.array([float(v.mid()) for v in self._balls])
         self.count = len(self.free)
-        own, rates = self.d.system, self.d.rates  # an equal system, whose symbols the rates hold
-        states = own.x
+        twin, rates = self.d.system, self.d.rates  # an equal system, whose symbols the rates hold
+        states = twin.x
         slopes = ca.jacobian(rates, states)
         numbers = ca.SX(self.d.column)
         self.function = ca.Function(
             "member",
-            [ca.vertcat(states, own.p), numbers],
+            [ca.vertcat(states, twin.p), numbers],
             [rates[self.rows], slopes[self.kept, self.kept], slopes[self.rows, self.solved]],
         )
 
@@ -104,8 +104,8 @@ class Sheet:
 
     def matrices(self, z: Floats) -> tuple[Floats, Floats]:
         """A over the kept states and F_u at points."""
-        _, whole, own = mapped(self.function, [self.points(z), self.numbers(len(z))])
-        return whole, own
+        _, whole, unknown_slopes = mapped(self.function, [self.points(z), self.numbers(len(z))])
+        return whole, unknown_slopes
 
     def numbers(self, count: int) -> Floats:
         """The numbers of the graph, a row for each point."""
@@ -122,13 +122,15 @@ class Sheet:
 def mapped(function: ca.Function, rows: Sequence[Floats]) -> list[Floats]:
     """The outputs of a function at rows of its inputs, shapes (N, ·, ·)."""
     count = len(rows[0])
-    found = function.map(count)(*[r.T for r in rows])
+    outputs = function.map(count)(*[r.T for r in rows])
     shapes = [function.size_out(i) for i in range(function.n_out())]
     return [
         np.array(v).reshape(shape[0], count, shape[1]).transpose(1, 0, 2)
         if 0 not in shape
         else np.zeros((count, *shape))
-        for v, shape in zip(found if isinstance(found, tuple) else (found,), shapes, strict=True)
+        for v, shape in zip(
+            outputs if isinstance(outputs, tuple) else (outputs,), shapes, strict=True
+        )
     ]
 
 
@@ -145,7 +147,7 @@ class DefiningSystem:
         Number of pairs.
     """
 
-    def __init__(self, sheet: Sheet, zero: str = "", pairs: int = 0) -> None:
+    def __init__(self, sheet: MemberSheet, zero: str = "", pairs: int = 0) -> None:
         self.sheet, self.zero, self.pairs = sheet, zero, pairs
         system, rates = sheet.d.system, sheet.d.rates
         self._x = system.x
@@ -256,9 +258,11 @@ class DefiningSystem:
 
     def starts(self, points: Floats) -> tuple[Floats, Floats]:
         """Unknowns and phases to start from at points of the sheet; some points have none."""
-        whole, own = self.sheet.matrices(points)
-        found = [self._start(p, a, f) for p, a, f in zip(points, whole, own, strict=True)]
-        rows = [r for r in found if r is not None]
+        whole, unknown_slopes = self.sheet.matrices(points)
+        starts = [
+            self._start(p, a, f) for p, a, f in zip(points, whole, unknown_slopes, strict=True)
+        ]
+        rows = [r for r in starts if r is not None]
         if not rows:
             return np.zeros((0, self.size)), np.zeros((0, 0))
         z, c = (np.array([r[i] for r in rows]) for i in (0, 1))

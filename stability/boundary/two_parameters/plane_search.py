@@ -53,7 +53,7 @@ Plane = GraphPlane | ExactPlane
 
 
 @dataclass(frozen=True)
-class Found:
+class SpectralPoint:
     """A proved point."""
 
     kind: PointKind
@@ -85,11 +85,11 @@ class PlaneEquations:
 
 def split(kind: PointKind, p: Sequence[Sloped]) -> tuple[Values, list[Values]]:
     """Values and rows of slopes of a kind's equations, from coefficients with slopes."""
-    found = equations(kind, list(p)) or []
-    return [f.value for f in found], [slope(f) for f in found]
+    functions = equations(kind, list(p)) or []
+    return [f.value for f in functions], [slope(f) for f in functions]
 
 
-def concluded(plane: Plane, kind: PointKind, x: Any, y: Any) -> Found | None:
+def concluded(plane: Plane, kind: PointKind, x: Any, y: Any) -> SpectralPoint | None:
     """The point at a proved solution; None where no pair is on the imaginary axis there.
 
     Raises
@@ -98,8 +98,8 @@ def concluded(plane: Plane, kind: PointKind, x: Any, y: Any) -> Found | None:
         If this is not decided.
     """
     p = [c.value for c in plane.at(x, y)]
-    found = nature(kind, p)
-    return None if found is None else Found(kind, x, y, found)
+    on_axis = nature(kind, p)
+    return None if on_axis is None else SpectralPoint(kind, x, y, on_axis)
 
 
 def within(x: Any, y: Any, rectangle: Rectangle) -> bool:
@@ -115,7 +115,7 @@ def within(x: Any, y: Any, rectangle: Rectangle) -> bool:
 
 def isolated(
     plane: ExactPlane, kind: PointKind, rectangle: Rectangle
-) -> tuple[list[Found], list[UnresolvedBox]]:
+) -> tuple[list[SpectralPoint], list[UnresolvedBox]]:
     """Every point of a kind in the closed rectangle, from resultants over Q.
 
     Parameters
@@ -146,7 +146,7 @@ def isolated(
     if f.is_constant() or g.is_constant():
         return [], open_
 
-    def judged(place: Place) -> tuple[Found | None, str]:
+    def judged(place: PlanePoint) -> tuple[SpectralPoint | None, str]:
         try:
             image, box = tested(PlaneEquations(plane, kind), [v.mid() for v in place])
             if not all(b.contains(v) for b, v in zip(box, place, strict=True)):
@@ -161,11 +161,11 @@ def isolated(
         except (NotProvedError, NoMemberError):
             return None, SINGULAR
 
-    found, left = judged_places(plane, kind, rectangle, PolynomialPair(f, g), judged)
-    return found, open_ + left
+    points, left = judged_places(plane, kind, rectangle, PolynomialPair(f, g), judged)
+    return points, open_ + left
 
 
-Place = tuple[Any, Any]
+PlanePoint = tuple[Any, Any]
 """Values of both variables, as balls."""
 
 
@@ -178,8 +178,8 @@ class PolynomialPair:
 
     def __call__(self, z: Values) -> tuple[Values, list[Values]]:
         """Values and rows of slopes at (x, y)."""
-        found = [[value_of(p, *z) for p in row] for row in self._rows]
-        return [row[0] for row in found], [row[1:] for row in found]
+        rows = [[value_of(p, *z) for p in row] for row in self._rows]
+        return [row[0] for row in rows], [row[1:] for row in rows]
 
     @cached_property
     def sides(self) -> list[Any]:
@@ -201,7 +201,7 @@ def judged_places(
     kind: PointKind,
     rectangle: Rectangle,
     pair: PolynomialPair,
-    judge: Callable[[Place], tuple[Any, str]],
+    judge: Callable[[PlanePoint], tuple[Any, str]],
 ) -> tuple[list[Any], list[UnresolvedBox]]:
     """What the common zeros of two polynomials are, at a precision that leaves none open if any.
 
@@ -214,13 +214,13 @@ def judged_places(
     judge
         Function from a place to what it is, or None, and the reason why that stays open, or empty.
     """
-    found: list[Any] = []
+    points: list[Any] = []
     left: list[UnresolvedBox] = []
     with precision(EXACT_BITS[-1]):
         inner = [plane.ends(i, *ends) for i, ends in enumerate(rectangle)]
     for bits in EXACT_BITS:
         with precision(bits):
-            found, left = [], []
+            points, left = [], []
             roots = [_inside(side, ends) for side, ends in zip(pair.sides, inner, strict=True)]
             for place in pair.near(roots):
                 point, reason = judge(place)
@@ -228,10 +228,10 @@ def judged_places(
                     ends = [box_of(plane.back(i, v), rectangle[i]) for i, v in enumerate(place)]
                     left.append(UnresolvedBox(kind, ends[0], ends[1], reason))
                 elif point is not None:
-                    found.append(point)
+                    points.append(point)
         if not left:
             break
-    return found, left
+    return points, left
 
 
 def _inside(p: Any, ends: tuple[Any, Any]) -> list[Any]:
@@ -322,7 +322,7 @@ class BoxSearch:
     def __init__(self, plane: Plane, rectangle: Rectangle, size: int) -> None:
         self.plane, self.rectangle = plane, rectangle
         self.most = max(200, min(MOST_BOXES, WORK // size**3))
-        self.found: list[Found] = []
+        self.points: list[SpectralPoint] = []
         self.unique: list[tuple[PointKind, Values]] = []
         self.left: list[UnresolvedBox] = []
         self.count = 0
@@ -330,7 +330,7 @@ class BoxSearch:
         self.cuts = plane.solved if isinstance(plane, GraphPlane) else (0, 1)
 
     def run(self, kinds: Sequence[PointKind] = SPECTRAL) -> None:
-        """Search; the results are in `found` and `left`."""
+        """Search; the results are in `points` and `left`."""
         with precision(BITS):
             heap = [(-1.0, self.count, self.rectangle, tuple(kinds), "")]
             while heap:
@@ -409,12 +409,12 @@ class BoxSearch:
             point = concluded(self.plane, kind, *narrow)
         except (NotProvedError, StabilityError, ArithmeticError):
             return False
-        for known, box in self.unique:
-            if known is kind and all(b.contains(v) for b, v in zip(box, narrow, strict=True)):
+        for earlier, box in self.unique:
+            if earlier is kind and all(b.contains(v) for b, v in zip(box, narrow, strict=True)):
                 return True
         self.unique.append((kind, wide))
         if point is not None and within(point.x, point.y, self.rectangle):
-            self.found.append(point)
+            self.points.append(point)
         return True
 
 

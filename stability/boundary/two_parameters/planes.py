@@ -199,7 +199,7 @@ class GraphPlane:
         forms = []
         for series in ((arb_series([x, 1]), y), (x, arb_series([y, 1]))):
             with terms(2):
-                matrices = linearisation(self.family, *self._given(*series), start, 2)
+                matrices = linearisation(self.family, *self._numbers(*series), start, 2)
                 forms.append(polynomial(matrices, fold=False)[self.zeros :])
         return [Sloped(c[0], {0: c[1], 1: d[1]}) for c, d in zip(*forms, strict=True)]
 
@@ -210,18 +210,18 @@ class GraphPlane:
         base = (*family.at, *family.parameters)
         names = [family.meaning(n) for n in self.names]
         used = {base[i] for i in family.graph.used} if family.unknown else set()
-        found = tuple(i for i, n in enumerate(names) if n in used)
-        return found or (0, 1)
+        axes = tuple(i for i, n in enumerate(names) if n in used)
+        return axes or (0, 1)
 
-    def _given(self, x: Any, y: Any) -> tuple[list[Any], list[Any]]:
+    def _numbers(self, x: Any, y: Any) -> tuple[list[Any], list[Any]]:
         return self.problem.balls(self.fixed | dict(zip(self.names, (x, y), strict=True)))
 
     def _unknowns(self, x: Any, y: Any) -> list[Any]:
         family = self.family
-        here = ball_unknowns(family, *self._given(arb(x).mid(), arb(y).mid()))
+        here = ball_unknowns(family, *self._numbers(arb(x).mid(), arb(y).mid()))
         if not family.unknown or family.closed:
             return here
-        return ball_unknowns(family, *self._given(x, y), [float(v.mid()) for v in here])
+        return ball_unknowns(family, *self._numbers(x, y), [float(v.mid()) for v in here])
 
 
 class ExactPlane:
@@ -325,18 +325,18 @@ def exact_plane(problem: Problem, names: tuple[str, str]) -> ExactPlane:
     if not (problem.plain or problem.dimensionless):
         raise NotExact("units bring square roots")
     axes = tuple(family.meaning(n) for n in names)
-    given = {family.meaning(n): v for n, v in problem.values.items()}
-    if not set(base) <= set(given) or not set(axes) <= set(base):
+    numbers = {family.meaning(n): v for n, v in problem.values.items()}
+    if not set(base) <= set(numbers) or not set(axes) <= set(base):
         raise NotExact("the family has other names")
-    values = {n: rational(float(given[n])) for n in base if n not in axes}
+    values = {n: rational(float(numbers[n])) for n in base if n not in axes}
     polynomial = CharacteristicPolynomial(family, values, Budget(MOST_TERMS, SECONDS))
-    found = polynomial.factored
-    zeros = found.zeros - structure(family).zeros
+    form = polynomial.factored
+    zeros = form.zeros - structure(family).zeros
     if zeros < 0:
         raise NotExact("structural zeros are not proved")
     variables = Variables(polynomial, (axes[0], axes[1]))
     out = [PLANE.constant(0)] * zeros + [PLANE.constant(1)]
-    for factor, count in found.factors:
+    for factor, count in form.factors:
         moved = [variables.moved(c) for c in factor]
         for _ in range(count):
             out = times(out, moved)
@@ -362,16 +362,16 @@ class Variables:
     """
 
     def __init__(self, polynomial: CharacteristicPolynomial, axes: tuple[str, str]) -> None:
-        found = polynomial.factored
-        polys = [c for factor, _ in found.factors for c in factor]
+        form = polynomial.factored
+        polys = [c for factor, _ in form.factors for c in factor]
         used = {i for p in polys for i in occurring(p)}
-        self._what = {i: self._named(polynomial, found.indices[i], axes) for i in used}
+        self._what = {i: self._named(polynomial, form.indices[i], axes) for i in used}
         forms = [{f for a, f in self._what.values() if a == axis} for axis in (0, 1)]
         turns = []
         for axis, some in enumerate(forms):
             if "" in some and len(some) > 1:
                 raise NotExact("an axis and its sine occur together")
-            turns.append(self._kept(axis, polys) if len(some) > 1 else "".join(some))
+            turns.append(self._kept_function(axis, polys) if len(some) > 1 else "".join(some))
         self.turns = turns[0], turns[1]
 
     @staticmethod
@@ -384,12 +384,12 @@ class Variables:
             raise NotExact("another variable remains")
         function, x, _ = polynomial.field.meaning[index]
         for axis, name in enumerate(axes):
-            own = polynomial.field.generator(polynomial.base.index(name))
-            if function in ("sin", "cos") and x.num == own and x.den.is_constant():
+            variable = polynomial.field.generator(polynomial.base.index(name))
+            if function in ("sin", "cos") and x.num == variable and x.den.is_constant():
                 return axis, function
         raise NotExact("another function of the axes remains")
 
-    def _kept(self, axis: int, polys: Sequence[Any]) -> str:
+    def _kept_function(self, axis: int, polys: Sequence[Any]) -> str:
         """Sin or cos: that whose partner has even powers alone."""
         for kept, gone in (("sin", "cos"), ("cos", "sin")):
             places = [i for i, what in self._what.items() if what == (axis, gone)]
@@ -407,8 +407,8 @@ class Variables:
                 if not e:
                     continue
                 axis, form = self._what[i]
-                own = form == self.turns[axis]
-                base = gens[axis] if own else 1 - gens[axis] ** 2
-                term = term * base ** (int(e) if own else int(e) // 2)
+                same = form == self.turns[axis]
+                base = gens[axis] if same else 1 - gens[axis] ** 2
+                term = term * base ** (int(e) if same else int(e) // 2)
             out = out + term
         return out

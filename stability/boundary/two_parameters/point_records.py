@@ -19,8 +19,8 @@ class PointKind(Sentences):
     Examples
     --------
     >>> import stability as st
-    >>> found = st.codimension_two("spinning", x=("at", 0.5, 5, 9), y=("mu", 0.1, 3, 9))
-    >>> found[0].kind.word
+    >>> points = st.codimension_two("spinning", x=("at", 0.5, 5, 9), y=("mu", 0.1, 3, 9))
+    >>> points[0].kind.word
     'zero hopf'
     """
 
@@ -47,8 +47,8 @@ class DegeneratePoint(Record):
     Examples
     --------
     >>> import stability as st
-    >>> found = st.codimension_two("spinning", x=("at", 0.5, 5, 9), y=("mu", 0.1, 3, 9))
-    >>> found[0].x, found[0].y
+    >>> points = st.codimension_two("spinning", x=("at", 0.5, 5, 9), y=("mu", 0.1, 3, 9))
+    >>> points[0].x, points[0].y
     (2.0, 1.0)
     """
 
@@ -87,8 +87,8 @@ class CurveOfZeros:
     >>> system = st.System("fold", x, p, rate, states=("x",), parameters=names)
     >>> upper = system.steady(("a", "b"), guess={"x": 1, "a": 1, "b": 0})
     >>> import warnings; warnings.simplefilter("ignore")  # a search along curves is not complete
-    >>> found = st.codimension_two(upper, x=("a", -1, 2, 5), y=("b", -1, 1, 5), curves=True)
-    >>> [curve] = found.curves
+    >>> points = st.codimension_two(upper, x=("a", -1, 2, 5), y=("b", -1, 1, 5), curves=True)
+    >>> [curve] = points.curves
     >>> curve.crossing.word, max(abs(a - b * b) for a, b in zip(curve.x, curve.y)) < 1e-14
     ('static', True)
     """
@@ -129,8 +129,8 @@ class CodimensionTwo(Record, Sequence[DegeneratePoint]):
     Examples
     --------
     >>> import stability as st
-    >>> found = st.codimension_two("spinning", x=("at", 0.5, 5, 9), y=("mu", 0.1, 3, 9))
-    >>> found.complete, len(found)
+    >>> points = st.codimension_two("spinning", x=("at", 0.5, 5, 9), y=("mu", 0.1, 3, 9))
+    >>> points.complete, len(points)
     (True, 1)
     """
 

@@ -25,7 +25,7 @@ from ...systems.structure.structural_zeros import structure
 from ..hopf import rounded, zeros_left
 from .bautin import SECONDS, ExactSearch, Vanishing
 from .curve_search import CurveSearch, ProvedPoint, lines_of
-from .plane_search import BITS, SPECTRAL, BoxSearch, Found, Rectangle, isolated, joined
+from .plane_search import BITS, SPECTRAL, BoxSearch, Rectangle, SpectralPoint, isolated, joined
 from .planes import GraphPlane, exact_plane
 from .point_records import CodimensionTwo, DegeneratePoint, PointKind, UnresolvedBox
 
@@ -139,8 +139,8 @@ def codimension_two(
     >>> rates = ca.vertcat(x[1], -p[0] * x[0] - p[1] * x[1] - x[0] ** 3)
     >>> system = st.System("oscillator", x, p, rates, states=("q", "v"), parameters=("k", "c"))
     >>> rest = st.Family(system, "rest", at=("k",), held={"q": 0, "v": 0})
-    >>> found = st.codimension_two(rest, x=("k", -1, 1, 5), y=("c", -1, 1, 5))
-    >>> [(p.kind.word, p.x, p.y) for p in found], found.complete
+    >>> points = st.codimension_two(rest, x=("k", -1, 1, 5), y=("c", -1, 1, 5))
+    >>> [(p.kind.word, p.x, p.y) for p in points], points.complete
     ([('double zero', 0.0, 0.0)], True)
     """
     problem, (first, second) = swept(
@@ -167,8 +167,8 @@ def in_plane(problem: Problem, axes: tuple[Axis, Axis], *, curves: bool = False)
     rectangle: Rectangle = ((axes[0].low, axes[0].high), (axes[1].low, axes[1].high))
     isolated_ = problem.plain and zeros_left(problem.family) == 0
     search = CurveSearch(problem, axes) if isolated_ else None
-    found, left, how = _spectral(problem, axes, rectangle, search)
-    units = [_point(problem, axes, f) for f in found]
+    spectral, left, how = _spectral(problem, axes, rectangle, search)
+    units = [_point(problem, axes, f) for f in spectral]
     said, every = NONE_ON_LINES, False
     if search is not None:
         some, open_, said, every = _vanishing(problem, axes, rectangle, search)
@@ -201,24 +201,24 @@ def _accept(problem: Problem) -> None:
 
 def _spectral(
     problem: Problem, axes: tuple[Axis, Axis], rectangle: Rectangle, curves: CurveSearch | None
-) -> tuple[list[Found | ProvedPoint], list[UnresolvedBox], str]:
+) -> tuple[list[SpectralPoint | ProvedPoint], list[UnresolvedBox], str]:
     names = axes[0].name, axes[1].name
-    found: list[Found | ProvedPoint] = []
+    points: list[SpectralPoint | ProvedPoint] = []
     left: list[UnresolvedBox] = []
     try:
         plane = exact_plane(problem, names)
         for kind in SPECTRAL:
             some, open_ = isolated(plane, kind, rectangle)
-            found += some
+            points += some
             left += open_
     except NotExact:
         return _searched(problem, axes, rectangle, curves)
-    return found, left, RESULTANTS
+    return points, left, RESULTANTS
 
 
 def _searched(
     problem: Problem, axes: tuple[Axis, Axis], rectangle: Rectangle, curves: CurveSearch | None
-) -> tuple[list[Found | ProvedPoint], list[UnresolvedBox], str]:
+) -> tuple[list[SpectralPoint | ProvedPoint], list[UnresolvedBox], str]:
     """Points by boxes; where members have folds, or boxes stay open, along curves."""
     family, names = problem.family, (axes[0].name, axes[1].name)
     solved = bool(family.unknown) and not family.closed
@@ -228,15 +228,15 @@ def _searched(
         return [*curves.listed(*SPECTRAL, PointKind.CUSP)], left, _lines(CURVES, axes)
     search = BoxSearch(GraphPlane(problem, names), rectangle, len(family.system.states))
     search.run()
-    found: list[Found | ProvedPoint] = list(search.found)
+    points: list[SpectralPoint | ProvedPoint] = list(search.points)
     how = BOXES.format(count=search.count + 1) + (ON_BRANCH if solved else "")
     if search.left and curves is not None and curves.run():
-        found += [
+        points += [
             p
             for p in curves.listed(*SPECTRAL)
-            if not any(f.kind is p.kind and f.x.overlaps(p.x) and f.y.overlaps(p.y) for f in found)
+            if not any(f.kind is p.kind and f.x.overlaps(p.x) and f.y.overlaps(p.y) for f in points)
         ]
-    return found, search.left, how
+    return points, search.left, how
 
 
 def _lines(said: str, axes: tuple[Axis, Axis]) -> str:
@@ -253,7 +253,7 @@ def _vanishing(
     seconds = SECONDS if curves.covered else FOLDED_SECONDS
     try:
         search = ExactSearch(problem, names, rectangle, seconds)
-        found, left = search.run()
+        places, left = search.run()
     except (NotExact, ZeroDivisionError) as error:
         if isinstance(error, ZeroDivisionError):  # as of v|v|, whose slope at v = 0 is read as 0/0
             error = NotExact("derivatives of the rates are read as 0/0 at the members")
@@ -263,27 +263,27 @@ def _vanishing(
         some = [_point(problem, axes, p) for p in curves.listed(PointKind.VANISHING)]
         return some, [], said, False
     said = EXACT + (FLAT if search.flat else "")
-    return [_bautin(v) for v in found], joined(left), said, not left
+    return [_bautin(v) for v in places], joined(left), said, not left
 
 
 def _point(
-    problem: Problem, axes: tuple[Axis, Axis], found: Found | ProvedPoint
+    problem: Problem, axes: tuple[Axis, Axis], point: SpectralPoint | ProvedPoint
 ) -> DegeneratePoint:
     with precision(BITS):
-        place = [rounded(v) for v in (found.x, found.y)]
+        place = [rounded(v) for v in (point.x, point.y)]
         here = dict(zip((g.name for g in axes), (p[0] for p in place), strict=True))
         values: dict[str, Any] = {n: float(v) for n, v in problem.values.items()} | here
         *_, rate, _ = problem.arrays(values)
         pairs: tuple[float, ...] = tuple(
-            float(w.mid()) * float(np.asarray(rate)[0]) for w in found.nature.frequencies
+            float(w.mid()) * float(np.asarray(rate)[0]) for w in point.nature.frequencies
         )
-    member = found.unknowns if isinstance(found, ProvedPoint) else {}
-    others = OTHERS[found.nature.others]
-    return DegeneratePoint(found.kind, *place[0], *place[1], pairs, others, member)
+    member = point.unknowns if isinstance(point, ProvedPoint) else {}
+    others = OTHERS[point.nature.others]
+    return DegeneratePoint(point.kind, *place[0], *place[1], pairs, others, member)
 
 
-def _bautin(found: Vanishing) -> DegeneratePoint:
-    place = [rounded(v) for v in found.place]
-    frequency = (float(arb(found.frequency).mid()),)
-    others = OTHERS[found.others]
+def _bautin(point: Vanishing) -> DegeneratePoint:
+    place = [rounded(v) for v in point.place]
+    frequency = (float(arb(point.frequency).mid()),)
+    others = OTHERS[point.others]
     return DegeneratePoint(PointKind.VANISHING, *place[0], *place[1], frequency, others)

@@ -128,15 +128,15 @@ def bicycle() -> Family:
     """The upright bicycle by its speed; every parameter stays a symbol."""
     P = {n: ca.SX.sym(n) for n in BENCHMARK}
     x, v = ca.SX.sym("x", 4), ca.SX.sym("v")
-    found = matrices(P)
-    stiffness = P["g"] * found["K0"] + v**2 * found["K2"]
-    seen = {f"{n}_{i}{j}": found[n][i, j] for n in found for i in (0, 1) for j in (0, 1)}
+    entries = matrices(P)
+    stiffness = P["g"] * entries["K0"] + v**2 * entries["K2"]
+    seen = {f"{n}_{i}{j}": entries[n][i, j] for n in entries for i in (0, 1) for j in (0, 1)}
     system = System.from_mass_matrix(
         "linear bicycle",
         x,
         ca.vertcat(v, *P.values()),
-        mass=found["M"],
-        forcing=-(v * found["C1"] @ x[2:] + stiffness @ x[:2]),
+        mass=entries["M"],
+        forcing=-(v * entries["C1"] @ x[2:] + stiffness @ x[:2]),
         unknowns=("d_lean_rate", "d_steer_rate"),
         rates={"lean": x[2], "steer": x[3]},
         states=("lean", "steer", "lean_rate", "steer_rate"),
@@ -150,21 +150,21 @@ def bicycle() -> Family:
 
 def of_spectrum(about: Source, family: Family, at: float, zeros: int = 0) -> list[BenchmarkRow]:
     """Rows of the four eigenvalues at 5 m/s."""
-    found = spectrum(family, at=at, certify=True, **BENCHMARK)
-    right = found.structural_zeros == zeros and found.eigenvalues.shape == (4,)
-    values = found.eigenvalues if right else np.full(4, np.nan)
+    result = spectrum(family, at=at, certify=True, **BENCHMARK)
+    right = result.structural_zeros == zeros and result.eigenvalues.shape == (4,)
+    values = result.eigenvalues if right else np.full(4, np.nan)
     numbers = [values[0].real, values[1].real, values[2].imag, values[3].real]
     return [
         compared(
             about,
             quantity,
-            known,
+            reference,
             float(numbers[i]),
             unit="1/s",
             reason="another number of eigenvalues",
             exact=EXACT.get(quantity, ""),
         )
-        for i, (quantity, known) in enumerate(EIGENVALUES.items())
+        for i, (quantity, reference) in enumerate(EIGENVALUES.items())
     ]
 
 
@@ -192,13 +192,13 @@ def of_speeds(
         at_threshold(
             about,
             words[name],
-            known,
+            reference,
             threshold(family, *brackets[name], 5, **BENCHMARK),
             unit="m/s",
             scale=scale,
             exact=EXACT[name],
         )
-        for name, known in SPEEDS.items()
+        for name, reference in SPEEDS.items()
     ]
 
 
@@ -207,8 +207,10 @@ def linear_bicycle() -> list[BenchmarkRow]:
     family = bicycle()
     seen = family.system.observe([0.0] * 4, [5.0, *BENCHMARK.values()])
     entries = [
-        compared(LINEAR, name.replace("_", "[")[:-1] + f",{name[-1]}]", known, float(seen[name]))
-        for name, known in ENTRIES.items()
+        compared(
+            LINEAR, name.replace("_", "[")[:-1] + f",{name[-1]}]", reference, float(seen[name])
+        )
+        for name, reference in ENTRIES.items()
     ]
     brackets = {"weave": (3.0, 5.0), "capsize": (5.0, 8.0)}
     return [*entries, *of_spectrum(LINEAR, family, 5.0), *of_speeds(LINEAR, family, brackets, 1.0)]
@@ -355,19 +357,21 @@ def accelerations() -> tuple[list[float], list[float]]:
     ]
     rates = SIGNS * [v for n, v in g.items() if n.endswith("d")]
     x, values = [*place, *rates], list(BENCHMARK.values())
-    found = SIGNS * system.rates(x, values)[9:]
+    computed = SIGNS * system.rates(x, values)[9:]
     slopes = system.linearise(x, values)[9:]
-    return found.tolist(), (abs(slopes).sum(axis=1) * ROUNDING).tolist()
+    return computed.tolist(), (abs(slopes).sum(axis=1) * ROUNDING).tolist()
 
 
 def nonlinear_bicycle() -> list[BenchmarkRow]:
     """Rows of the nonlinear bicycle: nine accelerations, spectrum, weave and capsize."""
     values, bounds = accelerations()
     rows = [
-        compared(MOVING, f"acceleration {name}", known, value, inputs=bound)
-        for (name, known), value, bound in zip(ACCELERATIONS.items(), values, bounds, strict=True)
+        compared(MOVING, f"acceleration {name}", reference, value, inputs=bound)
+        for (name, reference), value, bound in zip(
+            ACCELERATIONS.items(), values, bounds, strict=True
+        )
     ]
     radius = BENCHMARK["rR"]
     brackets = {"weave": (10.0, 17.0), "capsize": (17.0, 25.0)}
-    found = of_spectrum(STRAIGHT, straight(), 5.0 / radius, zeros=3)
-    return [*rows, *found, *of_speeds(STRAIGHT, straight(), brackets, radius)]
+    spectral = of_spectrum(STRAIGHT, straight(), 5.0 / radius, zeros=3)
+    return [*rows, *spectral, *of_speeds(STRAIGHT, straight(), brackets, radius)]

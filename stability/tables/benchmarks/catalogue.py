@@ -72,8 +72,8 @@ def benchmark_rows(
     ...     print(row.recomputed, row.below, row.above, row.status)
     250.0 stable unstable agrees to all digits
     """
-    known = {name: name.split()[-1] for name in CASES}  # a refusal has room for these
-    names = list(known) if systems is None else chosen("system", systems, known)
+    words = {name: name.split()[-1] for name in CASES}  # a refusal has room for these
+    names = list(words) if systems is None else chosen("system", systems, words)
     return rows_of([CASES[name] for name in names], progress)
 
 

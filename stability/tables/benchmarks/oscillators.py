@@ -56,13 +56,13 @@ def ziegler() -> list[BenchmarkRow]:
     what = "load above which it flutters"
     free = threshold(column(damped=False), 0.5, 3.0)
     rows = [at_threshold(ZIEGLER, f"{what}, undamped", "2.0857864376269049", free)]
-    for b, known in (
+    for b, reference in (
         (1.0, "1.9642857142857142"),
         (0.1, "1.4692857142857143"),
         (1e-3, "1.4642862142857143"),
     ):
-        found = threshold(column(damped=True), 0.5, 3.0, b=b)
-        rows.append(at_threshold(ZIEGLER, f"{what}, b = {b:g}", known, found))
+        change = threshold(column(damped=True), 0.5, 3.0, b=b)
+        rows.append(at_threshold(ZIEGLER, f"{what}, b = {b:g}", reference, change))
     return rows
 
 
@@ -85,9 +85,9 @@ def rotor() -> list[BenchmarkRow]:
         units={"W": "rad/s", "w0": "rad/s", "de": "1/s", "di": "1/s"},
     )
     centred = at_zero(system, "centred", "W")
-    found = threshold(centred, 10.0, 1000.0, w0=100.0, de=3.0, di=2.0)
+    change = threshold(centred, 10.0, 1000.0, w0=100.0, de=3.0, di=2.0)
     what = "rate above which it whirls, w0 = 100, de = 3, di = 2"
-    return [at_threshold(ROTOR, what, "250", found, unit="rad/s")]
+    return [at_threshold(ROTOR, what, "250", change, unit="rad/s")]
 
 
 def saddle() -> list[BenchmarkRow]:
@@ -100,9 +100,9 @@ def saddle() -> list[BenchmarkRow]:
         [u, v, (W**2 - k) * x + 2 * W * v, (W**2 + k) * y - 2 * W * u],
         units={"W": "rad/s", "k": "1/s²"},
     )
-    found = threshold(at_zero(system, "centre", "W"), 0.1, 5.0, k=3.0)
+    change = threshold(at_zero(system, "centre", "W"), 0.1, 5.0, k=3.0)
     what = "rate above which it holds a ball, k = 3"
-    return [at_threshold(SADDLE, what, "1.7320508075688773", found, unit="rad/s")]
+    return [at_threshold(SADDLE, what, "1.7320508075688773", change, unit="rad/s")]
 
 
 # --- three bodies ---
@@ -127,9 +127,9 @@ def triangle() -> Family:
 
 def triangular_points() -> list[BenchmarkRow]:
     """Row of the triangular points: the mass ratio below which they are neutral."""
-    found = threshold(triangle(), 0.03, 0.05, 3)
+    change = threshold(triangle(), 0.03, 0.05, 3)
     what = "mass ratio below which they are neutral"
-    return [at_threshold(POINTS, what, "0.038520896504551397", found)]
+    return [at_threshold(POINTS, what, "0.038520896504551397", change)]
 
 
 GOVERNOR = Source("Watt governor", "Sotomayor, Mello & Braga, arXiv math/0606230")
@@ -153,14 +153,16 @@ def governor() -> Family:
 def swinging() -> list[BenchmarkRow]:
     """Rows of the governor: where it begins to swing, and whether gently."""
     rows: list[BenchmarkRow] = []
-    for a, b, known in ((0.5, 0.5, "0.3535533905932738"), (0.25, 0.64, "0.256")):
-        found = threshold(governor(), float(known) / 2, 2 * float(known), a=a, b=b)
+    for a, b, reference in ((0.5, 0.5, "0.3535533905932738"), (0.25, 0.64, "0.256")):
+        change = threshold(governor(), float(reference) / 2, 2 * float(reference), a=a, b=b)
         quantity = f"friction above which it is even, a = {a}, b = {b}"
-        rows.append(at_threshold(GOVERNOR, quantity, known, found))
-    for a, known in ((0.25, ".7795976849"), (0.5, ".7968357154"), (0.8, ".8506928506")):
+        rows.append(at_threshold(GOVERNOR, quantity, reference, change))
+    for a, reference in ((0.25, ".7795976849"), (0.5, ".7968357154"), (0.8, ".8506928506")):
         [point] = codimension_two(governor(), x=("b", 0.75, 0.9, 2), y=("e", 0.2, 1.6, 2), a=a)
         quantity = f"b where the first Lyapunov coefficient is 0, a = {a}"
-        rows.append(compared(GOVERNOR._replace(origin=ELSEWHERE), quantity, f"0{known}", point.x))
+        rows.append(
+            compared(GOVERNOR._replace(origin=ELSEWHERE), quantity, f"0{reference}", point.x)
+        )
     return rows
 
 
@@ -206,10 +208,10 @@ def _firing(
 ) -> list[BenchmarkRow]:
     """Rows of both currents at which a nerve's rest changes."""
     rows: list[BenchmarkRow] = []
-    for (low, high, known), word in zip(ends, ("begins", "ceases"), strict=True):
-        found = threshold(rest, low, high, **numbers)
+    for (low, high, reference), word in zip(ends, ("begins", "ceases"), strict=True):
+        change = threshold(rest, low, high, **numbers)
         quantity = f"current at which firing {word}"
-        rows.append(at_threshold(about, quantity, known, found, unit=unit))
+        rows.append(at_threshold(about, quantity, reference, change, unit=unit))
     return rows
 
 

@@ -102,7 +102,7 @@ IN_SENTENCES = (
 def compared(
     about: Source,
     quantity: str,
-    known: str,
+    reference: str,
     recomputed: float | None,
     *,
     unit: str = "",
@@ -119,7 +119,7 @@ def compared(
         System and source.
     quantity
         What is compared.
-    known
+    reference
         The known value as it is given, with all its digits.
     recomputed
         The package's value, or None.
@@ -145,15 +145,15 @@ def compared(
     if recomputed is None or not math.isfinite(recomputed):
         recomputed, difference, status = None, None, f"not covered: {reason}"
     else:
-        off = Fraction(recomputed) - Fraction(known)
-        difference, status = float(off), _status(known, recomputed, off, inputs, exact)
+        off = Fraction(recomputed) - Fraction(reference)
+        difference, status = float(off), _status(reference, recomputed, off, inputs, exact)
     return BenchmarkRow(
         about.system,
         quantity,
         unit,
         about.source,
         about.origin,
-        known,
+        reference,
         recomputed,
         difference,
         status,
@@ -161,17 +161,17 @@ def compared(
     )
 
 
-def _status(known: str, recomputed: float, off: Fraction, inputs: float, exact: str) -> str:
-    last = _last_digit(known)
+def _status(reference: str, recomputed: float, off: Fraction, inputs: float, exact: str) -> str:
+    last = _last_digit(reference)
     if abs(off) <= last / 2 + Fraction(math.ulp(recomputed)):
         return AGREES
-    beyond = abs(Fraction(recomputed) - Fraction(exact or known))
+    beyond = abs(Fraction(recomputed) - Fraction(exact or reference))
     if exact and beyond <= _last_digit(exact) / 2 + Fraction(math.ulp(recomputed)):
         return f"agrees to all digits of {exact}; the last published digits are not right"
     if abs(off) <= last / 2 + Fraction(inputs):
         return f"agrees within the rounding of the published inputs, {inputs:.0e}"
-    digits = -math.log10(float(abs(off)) / abs(float(known) or 1.0)) - math.log10(2)
-    all_digits = len(Decimal(known).as_tuple().digits)
+    digits = -math.log10(float(abs(off)) / abs(float(reference) or 1.0)) - math.log10(2)
+    all_digits = len(Decimal(reference).as_tuple().digits)
     return f"agrees to {max(0, math.floor(digits))} digits of {all_digits}"
 
 
@@ -200,41 +200,41 @@ def threshold(family: Family, low: float, high: float, points: int = 9, **values
             return Threshold(None, None, ("", ""), why)
     with warnings.catch_warnings():  # an incomplete search is no reason to hide what it found
         warnings.simplefilter("ignore", StabilityWarning)
-        found = boundaries(family, axis=(family.at[0], low, high, points), **values)
-    if len(found) != 1:
-        why = f"{len(found)} changes of verdict between {low:g} and {high:g}"
+        changes = boundaries(family, axis=(family.at[0], low, high, points), **values)
+    if len(changes) != 1:
+        why = f"{len(changes)} changes of verdict between {low:g} and {high:g}"
         return Threshold(None, None, ("", ""), why)
-    value = found[0].value
+    value = changes[0].value
     sides = [certified(family, value + side * abs(value), values) for side in (-SIDE, SIDE)]
-    return Threshold(value, found[0].frequency, (sides[0], sides[1]), "")
+    return Threshold(value, changes[0].frequency, (sides[0], sides[1]), "")
 
 
 def certified(family: Family, at: float, values: Mapping[str, Any]) -> str:
     """The verdict at a member in one word; `undecided` where there is no proof."""
-    found = spectrum(family, at=at, certify=True, **values)
-    return str((found.verdict if found.certified else Verdict.UNDECIDED).word)
+    result = spectrum(family, at=at, certify=True, **values)
+    return str((result.verdict if result.certified else Verdict.UNDECIDED).word)
 
 
 def at_threshold(
     about: Source,
     quantity: str,
-    known: str,
-    found: Threshold,
+    reference: str,
+    change: Threshold,
     *,
     unit: str = "",
     scale: float = 1.0,
     exact: str = "",
 ) -> BenchmarkRow:
     """A row of a threshold; `scale` leads from the family's parameter to the known quantity."""
-    value = None if found.value is None else found.value * scale
+    value = None if change.value is None else change.value * scale
     return compared(
         about,
         quantity,
-        known,
+        reference,
         value,
         unit=unit,
-        sides=found.sides,
-        reason=found.reason,
+        sides=change.sides,
+        reason=change.reason,
         exact=exact,
     )
 
@@ -302,12 +302,12 @@ def benchmark_notes(rows: Sequence[dict[str, object]]) -> list[str]:
 def _lines_of(row: dict[str, object], columns: Sequence[Column]) -> list[str]:
     unit = f" {row['unit']}" if row["unit"] else ""
     value, off = row["recomputed"], row["difference"]
-    found = "-" if value is None else f"{value:.16g}{unit}"
+    text = "-" if value is None else f"{value:.16g}{unit}"
     by = "" if off is None else f", difference {off:.1e}"
     lines = [
         f"    {row['quantity']}",
         f"        known {row['known']}{unit} ({row['origin']})",
-        f"        found {found}{by}: {row['status']}",
+        f"        found {text}{by}: {row['status']}",
     ]
     if row.get("below"):
         lines += [f"        below {row['below']}, above {row['above']} (certified)"]

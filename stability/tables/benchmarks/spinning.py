@@ -90,10 +90,10 @@ def precessing() -> Family:
 
 def lagrange() -> list[BenchmarkRow]:
     """Rows of Lagrange's top: where it sleeps, and how fast it nods."""
-    found = threshold(sleeping(), 1.0, 9.0, **TOP)
+    change = threshold(sleeping(), 1.0, 9.0, **TOP)
     nodding = spectrum(precessing(), at=(1.0, 0.7), **TOP).eigenvalues.imag.max()
     return [
-        at_threshold(LAGRANGE, "spin above which it sleeps", "4", found),
+        at_threshold(LAGRANGE, "spin above which it sleeps", "4", change),
         compared(
             LAGRANGE,
             "nutation at inclination 1, precession 0.7",
@@ -175,14 +175,14 @@ def for_every_friction(
 
 def tippe() -> list[BenchmarkRow]:
     """Rows of the tippe top: thresholds for three frictions, and for every friction."""
-    known = {"upright": "27.667917094780", "inverted": "41.332688957659"}
+    references = {"upright": "27.667917094780", "inverted": "41.332688957659"}
     words = {
         "upright": "spin below which upright is stable",
         "inverted": "spin above which inverted is stable",
     }
     rows: list[BenchmarkRow] = []
     last = None
-    for way, value in known.items():
+    for way, value in references.items():
         for mu in (0.3, 3.0, 30.0):
             last = threshold(spinning(way), 1.0, 99.0, mu=mu, **BODY)
             quantity = f"{words[way]}, mu = {mu:g} s/m"
@@ -207,7 +207,7 @@ def tippe() -> list[BenchmarkRow]:
     for way, (low, high, others) in proofs.items():
         edge, why = for_every_friction(spinning(way), low, high, others)
         quantity = f"{words[way]}, every mu, exact condition"
-        rows.append(compared(TIPPE, quantity, known[way], edge, unit="rad/s", reason=why))
+        rows.append(compared(TIPPE, quantity, references[way], edge, unit="rad/s", reason=why))
     return rows
 
 
@@ -229,9 +229,9 @@ def gyropendulum() -> list[BenchmarkRow]:
         -damping * v + gyro * spin * u + fall * y + follow * x,
     ]
     upright = at_zero(system_of("gyropendulum", [x, y, u, v], numbers, rates), "upright", "spin")
-    found = threshold(upright, 0.1, 10.0, fixed=0.125, turning=0.375, gyro=1.5, fall=2.0)
+    change = threshold(upright, 0.1, 10.0, fixed=0.125, turning=0.375, gyro=1.5, fall=2.0)
     what = "rate above which damping that turns holds it"
-    return [at_threshold(GYROPENDULUM, what, "1.8856180831641267", found)]
+    return [at_threshold(GYROPENDULUM, what, "1.8856180831641267", change)]
 
 
 def rolling_sphere() -> Family:
@@ -272,9 +272,9 @@ def rolling_sphere() -> Family:
 def sphere() -> list[BenchmarkRow]:
     """Row of Routh's sphere: the spin above which it stands with its centre of mass on top."""
     numbers: dict[str, Any] = {"I1": 0.5, "I3": 0.375, "R": 1.0, "a": 0.25, "g": 1.0, "m": 1.0}
-    found = threshold(rolling_sphere(), 0.1, 5.0, **numbers)
+    change = threshold(rolling_sphere(), 0.1, 5.0, **numbers)
     what = "spin above which its centre of mass stays on top"
-    return [at_threshold(ROUTH, what, "0.8837788686981583", found)]
+    return [at_threshold(ROUTH, what, "0.8837788686981583", change)]
 
 
 def liquid() -> list[BenchmarkRow]:
@@ -298,9 +298,9 @@ def liquid() -> list[BenchmarkRow]:
     )
     held = dict.fromkeys(("v_0", "v_1", "w_0", "w_1"), 0.0) | {"v_2": 1.0}
     along = Family(system, "along its axis", at=("w_2",), held=held)
-    found = threshold(along, 0.1, 10.0, m1=3.0, m3=1.0, J1=2.0, J3=0.5)
+    change = threshold(along, 0.1, 10.0, m1=3.0, m3=1.0, J1=2.0, J3=0.5)
     what = "spin above which it keeps its course"
-    return [at_threshold(LIQUID, what, "4.6188021535170061", found)]
+    return [at_threshold(LIQUID, what, "4.6188021535170061", change)]
 
 
 def square() -> Family:

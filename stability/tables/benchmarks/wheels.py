@@ -62,7 +62,7 @@ def wheelset() -> Family:
 
 def hunting() -> list[BenchmarkRow]:
     """Rows of the wheelset: the speed above which it hunts, and its spectrum at 20 m/s."""
-    found = threshold(wheelset(), 1.0, 100.0, **AXLE)
+    change = threshold(wheelset(), 1.0, 100.0, **AXLE)
     slow = spectrum(wheelset(), at=20.0, **AXLE).eigenvalues
     numbers = {
         "real part of the fast pair at 20 m/s": ("-94.32282188", slow[0].real),
@@ -71,18 +71,18 @@ def hunting() -> list[BenchmarkRow]:
         "imaginary part of the slow pair at 20 m/s": ("12.14204292", slow[3].imag),
     }
     return [
-        at_threshold(WHEELSET, "speed above which it hunts", "48.558435944090", found, unit="m/s"),
+        at_threshold(WHEELSET, "speed above which it hunts", "48.558435944090", change, unit="m/s"),
         compared(
             WHEELSET,
             "frequency of hunting",
             "26.132674311418",
-            found.frequency,
+            change.frequency,
             unit="rad/s",
-            reason=found.reason,
+            reason=change.reason,
         ),
         *(
-            compared(WHEELSET, quantity, known, float(value), unit="1/s")
-            for quantity, (known, value) in numbers.items()
+            compared(WHEELSET, quantity, reference, float(value), unit="1/s")
+            for quantity, (reference, value) in numbers.items()
         ),
     ]
 
@@ -144,13 +144,13 @@ def sympy_disc() -> list[BenchmarkRow]:
     kane, needed = kane_model()
     system = System.from_sympy(kane, name="disc", **needed)
     straight = Family(system, "straight", at=("u2",), held=dict.fromkeys(("q2", "u1", "u3"), 0.0))
-    found = threshold(straight, 0.1, 9.0, m=1.0, r=1.0, g=9.81)
+    change = threshold(straight, 0.1, 9.0, m=1.0, r=1.0, g=9.81)
     return [
         at_threshold(
             DISC,
             "rate of rolling above which it is neutral",
             "1.808314132002512",
-            found,
+            change,
             unit="rad/s",
         )
     ]

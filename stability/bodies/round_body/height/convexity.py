@@ -24,11 +24,11 @@ from ....algebra.number_types import Algebra, balls, precision
 from ....algebra.program import Program
 from ....base.errors import StabilityError
 from ....base.types import Floats
-from .expression import Expression
+from .expression import ShapeFunction
 from .wave_sum import WaveSum, wave_sum
 
 Span = tuple[float, float]
-Piece = tuple[float, float, int]
+HeightPiece = tuple[float, float, int]
 """An interval of θ, and the shape for which it is open."""
 Enclosure = Callable[[Floats, Floats, Any], tuple[Floats, Floats]]
 """From middles, half lengths and shapes of pieces to balls of h, h', ρ, ρ' and ρ''."""
@@ -70,7 +70,7 @@ class Convexity:
 
 
 def convexity(
-    height: Expression, names: tuple[str, ...], shapes: Numbers, between: Span
+    height: ShapeFunction, names: tuple[str, ...], shapes: Numbers, between: Span
 ) -> Convexity:
     """What is proved about a height: that it is not negative, and that of a convex body.
 
@@ -108,7 +108,7 @@ def convexity(
 
 @lru_cache(maxsize=256)
 def _proved(
-    height: Expression, names: tuple[str, ...], shapes: Numbers, between: Span
+    height: ShapeFunction, names: tuple[str, ...], shapes: Numbers, between: Span
 ) -> Convexity:
     read = _enclosure(height, names, shapes)
     if read is None:
@@ -119,7 +119,7 @@ def _proved(
     edges = np.linspace(*between, first + 1)
     which = np.tile(np.arange(count), first)
     low, high = np.repeat(edges[:-1], count), np.repeat(edges[1:], count)
-    kept: list[Piece] = []
+    kept: list[HeightPiece] = []
     done, size = 0, np.zeros(0)
     while low.size:
         done += low.size
@@ -168,7 +168,7 @@ def _room(half: Floats, at: Sequence[Floats], over: Sequence[Floats]) -> Floats:
     return np.asarray(curve - around[2] - span - U * (abs(curve) + span))
 
 
-def _rising(enclose: Enclosure, piece: Piece, size: Floats) -> bool:
+def _rising(enclose: Enclosure, piece: HeightPiece, size: Floats) -> bool:
     """Whether a short piece is proved by a height that only rises or falls, as from 0 at an end."""
     low, high, shape = piece
     middle = (low + high) / 2
@@ -181,7 +181,7 @@ def _rising(enclose: Enclosure, piece: Piece, size: Floats) -> bool:
 
 
 def _corner(
-    enclose: Enclosure, pieces: Sequence[Piece], size: Floats
+    enclose: Enclosure, pieces: Sequence[HeightPiece], size: Floats
 ) -> tuple[str, float, float] | None:
     """A short open piece in which h' falls by more than the integral of h gives back."""
     for shape in {which for _, _, which in pieces}:
@@ -193,22 +193,22 @@ def _corner(
     return None
 
 
-def _joined(pieces: Sequence[Piece]) -> tuple[Span, ...]:
+def _joined(pieces: Sequence[HeightPiece]) -> tuple[Span, ...]:
     """Pieces in order, neighbours as one."""
-    found: list[Span] = []
+    spans: list[Span] = []
     for low, high, _ in sorted(pieces):
-        if found and low <= found[-1][1]:
-            found[-1] = found[-1][0], max(high, found[-1][1])
+        if spans and low <= spans[-1][1]:
+            spans[-1] = spans[-1][0], max(high, spans[-1][1])
         else:
-            found.append((low, high))
-    return tuple(found)
+            spans.append((low, high))
+    return tuple(spans)
 
 
 # --- values of a height and its slopes on pieces ---
 
 
 def _enclosure(
-    height: Expression, names: tuple[str, ...], shapes: Numbers
+    height: ShapeFunction, names: tuple[str, ...], shapes: Numbers
 ) -> tuple[Enclosure, int] | None:
     """The values, and the most pieces that are worth their time; None where no graph is read."""
     plain = _program(height)
@@ -217,15 +217,15 @@ def _enclosure(
     waves = [wave_sum(plain, numbers) for numbers in shapes]
     if all(waves):
         return _by_waves(waves), MOST  # type: ignore[arg-type]  # none of them is None
-    found = _of_graph(height, names)
-    if found is None:
+    graph = _of_graph(height, names)
+    if graph is None:
         return None
-    run, most = found
+    run, most = graph
     numbers = np.array(shapes).reshape(len(shapes), -1).T
 
     def enclose(middle: Floats, half: Floats, which: Any) -> tuple[Floats, Floats]:
-        own = numbers[:, which]
-        return run(np.concatenate([[middle], own]), np.concatenate([[half], 0 * own]))
+        columns = numbers[:, which]
+        return run(np.concatenate([[middle], columns]), np.concatenate([[half], 0 * columns]))
 
     return enclose, most
 
@@ -234,19 +234,19 @@ def _by_waves(waves: Sequence[WaveSum]) -> Enclosure:
     """Values of sums of waves, shape by shape."""
 
     def enclose(middle: Floats, half: Floats, which: Any) -> tuple[Floats, Floats]:
-        found = np.zeros((2, 5, len(middle)))
-        for shape, one in enumerate(waves):
+        balls = np.zeros((2, 5, len(middle)))
+        for shape, wave in enumerate(waves):
             mine = which == shape
             if mine.any():
                 with np.errstate(all="ignore"):  # what is not finite proves nothing
-                    found[:, :, mine] = one.values(middle[mine], half[mine])
-        return found[0], found[1]
+                    balls[:, :, mine] = wave.values(middle[mine], half[mine])
+        return balls[0], balls[1]
 
     return enclose
 
 
 @lru_cache(maxsize=64)
-def _program(height: Expression) -> Program | None:
+def _program(height: ShapeFunction) -> Program | None:
     """The height as a list of instructions; None where one of these is not read."""
     try:
         return Program(height.function)
@@ -255,10 +255,10 @@ def _program(height: Expression) -> Program | None:
 
 
 @lru_cache(maxsize=64)
-def _of_graph(height: Expression, names: tuple[str, ...]) -> tuple[Balls, int] | None:
+def _of_graph(height: ShapeFunction, names: tuple[str, ...]) -> tuple[Balls, int] | None:
     """Balls of a height and its slopes, from centres and radii of θ and the shape's numbers."""
-    theta, *own = symbols = [ca.SX.sym(n) for n in ("theta", *names)]
-    rows = [ca.SX(height(theta, *own))]
+    theta, *numbers = symbols = [ca.SX.sym(n) for n in ("theta", *names)]
+    rows = [ca.SX(height(theta, *numbers))]
     for _ in range(4):
         rows.append(ca.jacobian(rows[-1], theta))
     curves = [rows[i] + rows[i + 2] for i in range(3)]
@@ -268,8 +268,8 @@ def _of_graph(height: Expression, names: tuple[str, ...]) -> tuple[Balls, int] |
     except StabilityError:
         return None
 
-    def run(given: Sequence[Any], algebra: Algebra) -> list[Any]:
-        return [v for [v] in program.run(algebra, [[v] for v in given])]
+    def run(arguments: Sequence[Any], algebra: Algebra) -> list[Any]:
+        return [v for [v] in program.run(algebra, [[v] for v in arguments])]
 
     try:
         tape = recorded(run, len(symbols))
@@ -287,15 +287,15 @@ def _by_balls(run: Callable[[Sequence[Any], Algebra], list[Any]]) -> Balls:
     algebra = Algebra("signed balls", plain.constant, table)
 
     def enclose(mid: Floats, rad: Floats) -> tuple[Floats, Floats]:
-        found = np.full((2, 5, mid.shape[1]), math.nan)
+        enclosures = np.full((2, 5, mid.shape[1]), math.nan)
         with precision(BITS):
-            for lane, given in enumerate(zip(mid.T.tolist(), rad.T.tolist(), strict=True)):
-                values = run(list(map(arb, *given)), algebra)
+            for lane, pair in enumerate(zip(mid.T.tolist(), rad.T.tolist(), strict=True)):
+                values = run(list(map(arb, *pair)), algebra)
                 for i, value in enumerate(values):
                     if value.is_finite():
                         middle = float(value.mid())
                         away = float((value - middle).abs_upper())
-                        found[:, i, lane] = middle, np.nextafter(away, math.inf)
-        return found[0], found[1]
+                        enclosures[:, i, lane] = middle, np.nextafter(away, math.inf)
+        return enclosures[0], enclosures[1]
 
     return enclose

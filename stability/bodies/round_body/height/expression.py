@@ -16,7 +16,7 @@ from ....base.types import Record, fields_of
 
 
 @dataclass(frozen=True, eq=False)
-class Expression(Record):
+class ShapeFunction(Record):
     """A scalar function as a CasADi graph, equal to any other with the same graph.
 
     Examples
@@ -47,16 +47,16 @@ class Expression(Record):
 
 
 def expression(
-    what: str, given: Callable[..., Any], names: Sequence[str], places: int = 0
-) -> Expression:
+    what: str, function: Callable[..., Any], names: Sequence[str], places: int = 0
+) -> ShapeFunction:
     """The graph of a function that a user gives.
 
     Parameters
     ----------
     what
         Name of the argument in messages.
-    given
-        A function of CasADi expressions, or an `Expression`.
+    function
+        A function of CasADi expressions, or an `ShapeFunction`.
     names
         Names of its arguments.
     places
@@ -72,39 +72,39 @@ def expression(
     >>> expression("height", lambda theta, e: 1 - e * ca.cos(theta), ["theta", "e"], 1)
     <function of theta, e>
     """
-    if isinstance(given, Expression):
-        if given.function.name_in() != list(names):
+    if isinstance(function, ShapeFunction):
+        if function.function.name_in() != list(names):
             raise ParameterError(
-                f"{what} is a function of {', '.join(given.function.name_in()) or 'nothing'}; "
+                f"{what} is a function of {', '.join(function.function.name_in()) or 'nothing'}; "
                 f"give one of {', '.join(names) or 'nothing'}."
             )
-        return given
-    if not callable(given):
+        return function
+    if not callable(function):
         raise ParameterError(
-            f"{what} is {shown(given)}; give a function of {', '.join(names) or 'nothing'}."
+            f"{what} is {shown(function)}; give a function of {', '.join(names) or 'nothing'}."
         )
     symbols = [ca.SX.sym(n) for n in names]
     by_name = dict(zip(names[places:], symbols[places:], strict=True))
     try:
-        value = given(*symbols[:places], **by_name)
+        value = function(*symbols[:places], **by_name)
     except Exception as error:  # a user's function may raise anything
         raise ParameterError(
-            f"{what} is {shown(given)}, which has no value at CasADi expressions "
+            f"{what} is {shown(function)}, which has no value at CasADi expressions "
             f"({type(error).__name__}: {error}); give a function of "
             f"{', '.join(names) or 'nothing'}."
         ) from None
-    found = ca.SX()
+    result = ca.SX()
     with suppress(Exception):  # what it gives may be anything
-        found = ca.SX(value)
-    if found.shape != (1, 1) or ca.symvar(ca.veccat(found, *symbols))[len(symbols) :]:
+        result = ca.SX(value)
+    if result.shape != (1, 1) or ca.symvar(ca.veccat(result, *symbols))[len(symbols) :]:
         raise ParameterError(
             f"{what} gives {shown(value)}; one expression in {', '.join(names) or 'numbers'} is "
             "needed."
         )
-    graph = ca.Function(what, symbols, [found], list(names), ["value"])
+    graph = ca.Function(what, symbols, [result], list(names), ["value"])
     if ca.OP_SIGN in operations(graph):
         raise ParameterError(
             f"{what} uses sign, which has no slope at its jump; give a function that is smooth, or "
             "has fabs alone."
         )
-    return Expression(graph.serialize())
+    return ShapeFunction(graph.serialize())

@@ -16,7 +16,7 @@ import casadi as ca
 from ....algebra.number_types import MORE, UNARY, Algebra
 from ....algebra.program import Program
 from ....base.errors import StabilityError
-from .expression import Expression
+from .expression import ShapeFunction
 
 
 class NotSmoothError(StabilityError):
@@ -32,19 +32,21 @@ class Inclination:
         Symbol of cos θ.
     times
         The whole number n.
-    known
+    multiples
         cos nθ and sin nθ / sinθ for n = 0, 1, …, as far as they are known, which all multiples of
         one angle share: a series of n terms has n of them.
     """
 
     def __init__(
-        self, cosine: ca.SX, times: int = 1, known: list[tuple[ca.SX, ca.SX]] | None = None
+        self, cosine: ca.SX, times: int = 1, multiples: list[tuple[ca.SX, ca.SX]] | None = None
     ) -> None:
         self.cosine, self.times = cosine, times
-        self.known = [(ca.SX(1), ca.SX(0)), (cosine, ca.SX(1))] if known is None else known
+        self.multiples = (
+            [(ca.SX(1), ca.SX(0)), (cosine, ca.SX(1))] if multiples is None else multiples
+        )
 
     def _times(self, times: int) -> Inclination:
-        return Inclination(self.cosine, times, self.known)
+        return Inclination(self.cosine, times, self.multiples)
 
     def __mul__(self, other: Any) -> Inclination:
         value = other.even if isinstance(other, InCosine) else other
@@ -64,11 +66,11 @@ class Inclination:
 
     def wave(self) -> tuple[InCosine, InCosine]:
         """Cosine and sine, by the recurrence of Chebyshev's polynomials."""
-        c, known = self.cosine, self.known
-        while len(known) <= abs(self.times):
-            (a, b), (a1, b1) = known[-2:]
-            known.append((2 * c * a1 - a, 2 * c * b1 - b))
-        (even, odd), zero = known[abs(self.times)], ca.SX(0)
+        c, multiples = self.cosine, self.multiples
+        while len(multiples) <= abs(self.times):
+            (a, b), (a1, b1) = multiples[-2:]
+            multiples.append((2 * c * a1 - a, 2 * c * b1 - b))
+        (even, odd), zero = multiples[abs(self.times)], ca.SX(0)
         return InCosine(c, even, zero), InCosine(c, zero, -odd if self.times < 0 else odd)
 
 
@@ -136,11 +138,11 @@ class InCosine:
         return self.even
 
 
-def _read(height: Expression, cosine: ca.SX, own: list[ca.SX]) -> InCosine:
+def _read(height: ShapeFunction, cosine: ca.SX, symbols: list[ca.SX]) -> InCosine:
     """The height as p + q sinθ; a `NotSmoothError` if its graph is none."""
     zero = ca.SX(0)
 
-    def apply(name: str, *values: Any) -> Any:
+    def in_cosine(name: str, *values: Any) -> Any:
         if name in ("sin", "cos") and isinstance(values[0], Inclination):
             return values[0].wave()[name == "sin"]
         if any(isinstance(v, Inclination) for v in values):
@@ -150,18 +152,18 @@ def _read(height: Expression, cosine: ca.SX, own: list[ca.SX]) -> InCosine:
         return InCosine(cosine, function(*plain), zero)
 
     names = (*UNARY, *MORE, "pow", "atan2", "hypot")
-    table: dict[str, Callable[..., Any]] = {name: partial(apply, name) for name in names}
+    table: dict[str, Callable[..., Any]] = {name: partial(in_cosine, name) for name in names}
     algebra = Algebra("cosine", lambda v: InCosine(cosine, ca.SX(v), zero), table)
-    numbers = [InCosine(cosine, v, zero) for v in own]
-    given: list[list[Any]] = [[Inclination(cosine)], *([n] for n in numbers)]
+    numbers = [InCosine(cosine, v, zero) for v in symbols]
+    arguments: list[list[Any]] = [[Inclination(cosine)], *([n] for n in numbers)]
     try:
-        [[found]] = Program(height.function).run(algebra, given)
+        [[result]] = Program(height.function).run(algebra, arguments)
     except KeyError as function:  # such as the absolute value
         raise NotSmoothError(f"the height uses {function}") from None
-    return found if isinstance(found, InCosine) else InCosine(cosine, ca.SX(found), zero)
+    return result if isinstance(result, InCosine) else InCosine(cosine, ca.SX(result), zero)
 
 
-def height_of_cosine(height: Expression, cosine: ca.SX, own: list[ca.SX]) -> ca.SX:
+def height_of_cosine(height: ShapeFunction, cosine: ca.SX, symbols: list[ca.SX]) -> ca.SX:
     """The height as an expression in cos θ and the numbers of the shape.
 
     Parameters
@@ -170,7 +172,7 @@ def height_of_cosine(height: Expression, cosine: ca.SX, own: list[ca.SX]) -> ca.
         The height as a function of θ and the numbers of the shape.
     cosine
         Symbol of cos θ.
-    own
+    symbols
         Symbols of the numbers.
 
     Returns
@@ -190,10 +192,10 @@ def height_of_cosine(height: Expression, cosine: ca.SX, own: list[ca.SX]) -> ca.
     >>> ca.Function("f", [c], [height_of_cosine(egg, c, [])])(0.5)
     DM(0.9375)
     """
-    return _read(height, cosine, own).plain()
+    return _read(height, cosine, symbols).plain()
 
 
-def height_of_angle(height: Expression, theta: ca.SX, own: list[ca.SX]) -> ca.SX:
+def height_of_angle(height: ShapeFunction, theta: ca.SX, symbols: list[ca.SX]) -> ca.SX:
     """The height at a symbol θ, with sines and cosines of multiples of θ by those of θ itself.
 
     So the graph is rational in sin θ and cos θ wherever the height is, and has a value at the exact
@@ -201,7 +203,7 @@ def height_of_angle(height: Expression, theta: ca.SX, own: list[ca.SX]) -> ca.SX
 
     Parameters
     ----------
-    height, own
+    height, symbols
         As for `height_of_cosine`.
     theta
         Symbol of θ.
@@ -221,8 +223,8 @@ def height_of_angle(height: Expression, theta: ca.SX, own: list[ca.SX]) -> ca.SX
     """
     cosine = ca.SX.sym("c")
     try:
-        found = _read(height, cosine, own)
+        waves = _read(height, cosine, symbols)
     except NotSmoothError:
-        return ca.SX(height(theta, *own))
-    even, odd = ca.substitute([found.even, found.odd], [cosine], [ca.cos(theta)])
+        return ca.SX(height(theta, *symbols))
+    even, odd = ca.substitute([waves.even, waves.odd], [cosine], [ca.cos(theta)])
     return even if odd.is_zero() else even + odd * ca.sin(theta)

@@ -79,14 +79,14 @@ class WaveSum:
         first, second = self.terms, WaveSum.of(other).terms
         if len(first) < len(second):
             first, second = second, first
-        found = dict(first)
+        terms = dict(first)
         for n, (a, b, e) in second.items():
-            if n in found:
-                c, d, f = found[n]
-                found[n] = _term(a + c, b + d, e + f)
+            if n in terms:
+                c, d, f = terms[n]
+                terms[n] = _term(a + c, b + d, e + f)
             else:
-                found[n] = a, b, e
-        return WaveSum(found)
+                terms[n] = a, b, e
+        return WaveSum(terms)
 
     __radd__ = __add__
 
@@ -105,7 +105,7 @@ class WaveSum:
         second = WaveSum.of(other).terms
         if len(self.terms) * len(second) > MOST_TERMS:
             raise NoSumError("a product of long sums")
-        found = WaveSum({})
+        product = WaveSum({})
         for n, (a, b, e) in self.terms.items():
             for m, (c, d, f) in second.items():
                 size = (abs(a) + abs(b)) * f + (abs(c) + abs(d)) * e + 2 * e * f
@@ -114,7 +114,7 @@ class WaveSum:
                 if n == m:
                     near = near[0], 0.0
                 for k, (p, q) in (*parts.items(), (abs(n - m), near)):
-                    found += WaveSum(
+                    product += WaveSum(
                         {
                             k: _term(
                                 p / 2,
@@ -127,7 +127,7 @@ class WaveSum:
                             )
                         }
                     )
-        return found
+        return product
 
     __rmul__ = __mul__
 
@@ -210,10 +210,10 @@ def _power(x: Any, y: Any) -> WaveSum:
     times = _constant(y)
     if times not in (1.0, 2.0, 3.0, 4.0):
         raise NoSumError("a power")
-    found = WaveSum.of(x)
+    product = WaveSum.of(x)
     for _ in range(int(times) - 1):
-        found = WaveSum.of(found * x)
-    return found
+        product = WaveSum.of(product * x)
+    return product
 
 
 _WAVES = Algebra("waves", WaveSum.of, {"sin": _sine, "cos": _cosine, "pow": _power})
@@ -238,7 +238,7 @@ def wave_sum(height: Program, shape: Sequence[float]) -> WaveSum | None:
     {1.0: (0.0, 1.0, 0.0), 0.0: (0.25, 0.0, 0.0)}
     """
     try:
-        [[found]] = height.run(_WAVES, [[Angle(1.0)], *([WaveSum.of(v)] for v in shape)])
-        return WaveSum.of(found)
+        [[value]] = height.run(_WAVES, [[Angle(1.0)], *([WaveSum.of(v)] for v in shape)])
+        return WaveSum.of(value)
     except (NoSumError, KeyError, TypeError):  # a function or an operation that makes no waves
         return None

@@ -15,7 +15,7 @@ from ....base.quantities import Kind, Quantity
 from ....systems.system import System
 from ...contact_laws import DIRECTION, MU, Contact, CoulombAlong, Creep, Rough
 from ...creep import CREEPS
-from ...explicit import Surface, angular_velocity, explicit, surface
+from ...explicit import ContactGeometry, angular_velocity, explicit, surface
 from ...model import (
     CONE,
     CREEP_ENDS,
@@ -36,7 +36,7 @@ from ...resistance import total_moment
 from ..equations import Resistances, held_round, rough_round, round_system
 from ..height.pole_height import height_of_angle
 from ..shape import RoundShape
-from ..si_law import Law, Numbers, Shape, shape_of
+from ..si_law import BodySymbols, Law, Shape, shape_of
 from ..thin import is_thin, of_thin
 
 LOWEST, HIGHEST = "lower end of theta", "upper end of theta"
@@ -48,7 +48,7 @@ LEVEL = 1e-9
 def round_model(
     body: RoundShape,
     law: type[Contact],
-    given: tuple[str, ...],
+    parameters: tuple[str, ...],
     *,
     pose: bool,
     resistance: Resistances = (),
@@ -61,7 +61,7 @@ def round_model(
         The body; of its numbers only the names matter.
     law
         Class of the law.
-    given
+    parameters
         Names of the law's parameters, in the order of `round_system`.
     pose
         Whether y holds φ, ψ and the place of the centre.
@@ -92,14 +92,14 @@ def round_model(
 
     at_rest = None
     if law.sticks:
-        at_rest = system(CoulombAlong, (*given, DIRECTION)), system(Rough, ())
+        at_rest = system(CoulombAlong, (*parameters, DIRECTION)), system(Rough, ())
     kind: Any = law  # a class is hashable
     return _round_model(
-        system(law, given),
+        system(law, parameters),
         shape_of(body),
         flat_poles(body),
         kind,
-        given,
+        parameters,
         resistance,
         bool(pose),
         at_rest,
@@ -116,14 +116,14 @@ def flat_poles(body: RoundShape) -> tuple[bool, bool]:
     >>> flat_poles(EccentricSphere(0.1)), flat_poles(ThickDisk(0.1))
     ((False, False), (True, False))
     """
-    found = []
+    flat = []
     for reached, end in zip(
         (body.between[0] == 0, body.between[1] == math.pi), (0.0, math.pi), strict=True
     ):
         with np.errstate(all="ignore"):
             slope, height = body.height_at(end, 1), body.height_at(end)
-        found.append(bool(reached and not (np.abs(slope) <= LEVEL * np.abs(height)).all()))
-    return found[0], found[1]
+        flat.append(bool(reached and not (np.abs(slope) <= LEVEL * np.abs(height)).all()))
+    return flat[0], flat[1]
 
 
 @lru_cache(maxsize=32)
@@ -132,7 +132,7 @@ def _round_model(  # noqa: PLR0913
     of: Shape,
     flat_at: tuple[bool, bool],
     law: type[Contact],
-    given: tuple[str, ...],
+    parameters: tuple[str, ...],
     resistance: Resistances,
     pose: bool,  # noqa: FBT001
     at_rest: tuple[System, System] | None,
@@ -143,10 +143,10 @@ def _round_model(  # noqa: PLR0913
     p, mu, dry = system.p, ca.SX.sym(MU), None
     if at_rest is not None and sticking:  # the parameters of sliding
         sliding, system = system, at_rest[1]
-        own = dict(zip(system.parameters, ca.vertsplit(system.p), strict=True)) | {MU: mu}
-        p = ca.vertcat(*(own[n] for n in sliding.parameters))
+        symbols = dict(zip(system.parameters, ca.vertsplit(system.p), strict=True)) | {MU: mu}
+        p = ca.vertcat(*(symbols[n] for n in sliding.parameters))
     elif at_rest is not None:
-        every: Any = system, of, flat_at, law, given, resistance, pose, at_rest
+        every: Any = system, of, flat_at, law, parameters, resistance, pose, at_rest
         dry = Dry(*at_rest, partial(_round_model, *every, sticking=True))
     x, seen, flat = system.x, system.observables, ca.SX.sym("flat")
     h = height_of_angle(height, x[0], ca.vertsplit(system.p)[: len(shape)])
@@ -154,7 +154,7 @@ def _round_model(  # noqa: PLR0913
     normal, determinant = seen["normal_force"], seen["determinant"]
     rates, pressing = [system.rhs, seen["power"]], normal * determinant
     if len(system.states) == len(STATES):
-        solved = _solved(system, of, law, given, resistance)
+        solved = _solved(system, of, law, parameters, resistance)
         rates, pressing, determinant = [*solved[:2]], solved[2], solved[3]
     series = series_of(seen, h)
     if pose:
@@ -164,7 +164,7 @@ def _round_model(  # noqa: PLR0913
         rates.append(placed(x, *velocity, extra))
         names += POSE
         series["reach"] = seen["lever"]
-    guards, words = _ends(x[0], flat, between, flat_at)
+    guards, words = _end_guards(x[0], flat, between, flat_at)
     guards = {LIFT_OFF: pressing} | guards
     if sticking:
         guards[CONE] = (mu * normal) ** 2 - ca.sumsqr(seen["contact_force"])
@@ -189,7 +189,7 @@ def _round_model(  # noqa: PLR0913
         WORDS | words,
         series,
         quantities_with(law, shape),
-        given[0] if law.relaxes else "",
+        parameters[0] if law.relaxes else "",
         turning=(1, 2, 3),
         sliding=() if law.sticks or len(system.states) < 6 else (4, 5),
         dry=dry,
@@ -215,27 +215,33 @@ def series_of(seen: Mapping[str, ca.SX], height: ca.SX) -> dict[str, ca.SX]:
 
 
 def _solved(
-    system: System, of: Shape, law: type[Contact], given: tuple[str, ...], resistance: Resistances
+    system: System,
+    of: Shape,
+    law: type[Contact],
+    parameters: tuple[str, ...],
+    resistance: Resistances,
 ) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
     """Rates of the states, the dissipated power, N D and D, in few operations."""
-    numbers = Numbers.of(of, (*given, *(r.coefficient for r in resistance)), physical=False)
-    stated, x = Law(law, numbers.table, given), system.x
+    numbers = BodySymbols.of(
+        of, (*parameters, *(r.coefficient for r in resistance)), physical=False
+    )
+    stated, x = Law(law, numbers.table, parameters), system.x
     against = [(r, numbers.table[r.coefficient]) for r in resistance]
 
     def moment(turn: Any, normal: Any) -> Any:
         return total_moment(against, turn, normal)
 
     at, moments = ca.SX.sym("at"), (numbers.table["transverse"], numbers.table["axial"])
-    at_symbol = surface(at, height_of_angle(of[1], at, numbers.own), *moments)
+    at_symbol = surface(at, height_of_angle(of[1], at, numbers.shape_symbols), *moments)
     places = ca.cse(ca.densify(ca.vertcat(*at_symbol[:7])))
     h, slope, curve, r, z, s, c = ca.vertsplit(ca.substitute(places, at, x[0]))
-    body = Surface(h, slope, curve, r, z, s, c, *moments)
-    found = explicit(x, body, stated.force, moment if against else None)
-    power = stated.power([x[4], x[5]], found.normal)
+    body = ContactGeometry(h, slope, curve, r, z, s, c, *moments)
+    solution = explicit(x, body, stated.force, moment if against else None)
+    power = stated.power([x[4], x[5]], solution.normal)
     if against:
         turn = angular_velocity(x)
-        power -= ca.dot(ca.vertcat(*moment(turn, found.normal)), ca.vertcat(*turn))
-    every = [found.rates, ca.SX(power), found.pressing, found.determinant]
+        power -= ca.dot(ca.vertcat(*moment(turn, solution.normal)), ca.vertcat(*turn))
+    every = [solution.rates, ca.SX(power), solution.pressing, solution.determinant]
     rates, power, pressing, determinant = ca.substitute(every, [numbers.p], [system.p])
     return rates, power, pressing, determinant
 
@@ -247,7 +253,7 @@ def _rough_model(of: Shape, flat_at: tuple[bool, bool], resistance: Resistances)
     )
 
 
-def _ends(
+def _end_guards(
     theta: ca.SX, flat: ca.SX, between: tuple[float, float], flat_at: tuple[bool, bool]
 ) -> tuple[dict[str, ca.SX], dict[str, str]]:
     """Guards of the ends of θ, and their words."""
@@ -297,11 +303,13 @@ def quantities_with(
     axis
         Names of the components of the axis, where a motion reports them.
     """
-    known = dict(disk_quantities(law))
-    known["slip_x"] = replace(known["slip_x"], long_name="slip along x̂, away from the axis")
-    known["slip_y"] = replace(known["slip_y"], long_name="slip along ŷ, across the axis")
-    known["length"] = Quantity("length", "", "length of the body", Kind.LENGTH)
-    own = {n: Quantity(n, n, n, Kind.NUMBER) for n in (*shape, "axial", "transverse")}
+    quantities = dict(disk_quantities(law))
+    quantities["slip_x"] = replace(
+        quantities["slip_x"], long_name="slip along x̂, away from the axis"
+    )
+    quantities["slip_y"] = replace(quantities["slip_y"], long_name="slip along ŷ, across the axis")
+    quantities["length"] = Quantity("length", "", "length of the body", Kind.LENGTH)
+    of_shape = {n: Quantity(n, n, n, Kind.NUMBER) for n in (*shape, "axial", "transverse")}
     words = (f"symmetry axis along {n}" for n in "XYZ")
-    found = {n: Quantity(n, "", w, Kind.NUMBER) for n, w in zip(axis, words, strict=False)}
-    return own | known | found
+    of_axis = {n: Quantity(n, "", w, Kind.NUMBER) for n, w in zip(axis, words, strict=False)}
+    return of_shape | quantities | of_axis

@@ -46,7 +46,7 @@ PLACE = ("centre_X", "centre_Y")
 def pole_model(
     body: RoundShape,
     law: type[Contact],
-    given: tuple[str, ...],
+    parameters: tuple[str, ...],
     *,
     pose: bool,
     resistance: Resistances = (),
@@ -55,7 +55,7 @@ def pole_model(
 
     Parameters
     ----------
-    body, law, given, pose, resistance
+    body, law, parameters, pose, resistance
         As for `stability.bodies.round_body.models.angle_model.round_model`.
 
     Returns
@@ -75,9 +75,11 @@ def pole_model(
     >>> model.names[:3], list(model.guards)
     (('axis_X', 'axis_Y', 'axis_Z'), ['lift-off', 'no-contact'])
     """
-    system = pole_system(body, law, given, physical=False, slip_states=True, resistance=resistance)
+    system = pole_system(
+        body, law, parameters, physical=False, slip_states=True, resistance=resistance
+    )
     smooth = smooth_at(body, 1), smooth_at(body, -1)
-    return _pole_model(system, shape_of(body), smooth, law, given, bool(pose), resistance)  # type: ignore[arg-type]  # a class is hashable
+    return _pole_model(system, shape_of(body), smooth, law, parameters, bool(pose), resistance)  # type: ignore[arg-type]  # a class is hashable
 
 
 @lru_cache(maxsize=32)
@@ -86,14 +88,14 @@ def _pole_model(  # noqa: PLR0913
     shape: Shape,
     smooth: tuple[bool, bool],
     law: type[Contact],
-    given: tuple[str, ...],
+    parameters: tuple[str, ...],
     pose: bool,
     resistance: Resistances,  # noqa: FBT001
 ) -> Model:
-    name, height, _, own, between = shape
+    name, height, _, shape_names, between = shape
     x, seen, slips = system.x, system.observables, SLIP[0] in system.states
     axis, turn, c = x[:3], x[3:6], ca.SX.sym("c")
-    f = height_of_cosine(height, c, ca.vertsplit(system.p)[: len(own)])
+    f = height_of_cosine(height, c, ca.vertsplit(system.p)[: len(shape_names)])
     both = ca.vertcat(f, ca.jacobian(f, c))
     h, slope = ca.vertsplit(ca.substitute(ca.densify(both), c, axis[2]))
     arm = -slope * axis - (h - axis[2] * slope) * ca.SX([0, 0, 1])
@@ -108,7 +110,7 @@ def _pole_model(  # noqa: PLR0913
         rates += [ca.cross(turn, extra[:3]), along / POSE_UNIT]
         names += [*FRONT, *PLACE]
         series |= {"arm_X": arm[0], "arm_Y": arm[1]}
-    guards, words = _ends(axis[2], between, smooth)
+    guards, words = _end_guards(axis[2], between, smooth)
     guards = {LIFT_OFF: normal * seen["determinant"]} | guards
     if slips and ca.depends_on(seen["determinant"], x[6:]):
         guards[NO_CONTACT] = seen["determinant"]
@@ -128,8 +130,8 @@ def _pole_model(  # noqa: PLR0913
         guards,
         WORDS | words,
         series,
-        quantities_with(law, own, AXES),
-        given[0] if law.relaxes else "",
+        quantities_with(law, shape_names, AXES),
+        parameters[0] if law.relaxes else "",
         turning=(3, 4, 5),
         sliding=(6, 7) if slips else (),
         title=f"motion of {name}, {law.name} contact",
@@ -157,7 +159,7 @@ AXES = ("axis_x", "axis_y", "axis_z")
 """Names of the axis's components in a motion's dataset."""
 
 
-def _ends(
+def _end_guards(
     cosine: ca.SX, between: tuple[float, float], smooth: tuple[bool, bool]
 ) -> tuple[dict[str, ca.SX], dict[str, str]]:
     """Guards of the ends of θ that are not smooth poles, and their words."""
@@ -226,21 +228,21 @@ def _angles(slips: bool, y: Floats) -> Floats:  # noqa: FBT001
     return six
 
 
-def _along(own: int, y: Floats, found: dict[str, Floats]) -> dict[str, Floats]:
+def _along(count: int, y: Floats, series: dict[str, Floats]) -> dict[str, Floats]:
     """Series along x̂ and ŷ, and the pose, from those along X and Y."""
     cosine, sine_of, sine = _heading(y)
-    east, north = found["force_x"], found["force_y"]
-    found |= {
+    east, north = series["force_x"], series["force_y"]
+    series |= {
         "force_x": east * cosine + north * sine_of,
         "force_y": north * cosine - east * sine_of,
     }
-    if y.shape[-1] == own + 1:
-        return found
-    front, place = y[..., own + 1 : own + 4], POSE_UNIT * y[..., own + 4 :]
+    if y.shape[-1] == count + 1:
+        return series
+    front, place = y[..., count + 1 : count + 4], POSE_UNIT * y[..., count + 4 :]
     across = front[..., 1] * cosine - front[..., 0] * sine_of  # along ŷ
     ahead = (front[..., 0] * cosine + front[..., 1] * sine_of) * y[..., 2] - front[..., 2] * sine
     values = np.arctan2(sine_of, cosine), np.arctan2(across, ahead), place[..., 0], place[..., 1]
-    found |= dict(zip(POSE, values, strict=True))
-    found["contact_x"] = found["centre_x"] + found.pop("arm_X")
-    found["contact_y"] = found["centre_y"] + found.pop("arm_Y")
-    return found
+    series |= dict(zip(POSE, values, strict=True))
+    series["contact_x"] = series["centre_x"] + series.pop("arm_X")
+    series["contact_y"] = series["centre_y"] + series.pop("arm_Y")
+    return series

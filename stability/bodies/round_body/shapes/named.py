@@ -145,11 +145,11 @@ def EccentricSphere(  # noqa: N802
     >>> [round(float(m), 4) for m in top.moments()]
     [0.36, 0.45]
     """
-    given = [m for m in (axial, transverse) if m is not None]
-    if len(given) == 1:
+    stated = [m for m in (axial, transverse) if m is not None]
+    if len(stated) == 1:
         raise ParameterError("of axial and transverse one is given; give both or none.")
     moments: dict[str, Any] = {"axial": axial, "transverse": transverse}
-    if not given:
+    if not stated:
         moments = {
             "axial": lambda offset: 2 * (1 - offset) / 5,
             "transverse": lambda offset: (1 - offset) * (2 + 5 * offset) / 5,

@@ -96,8 +96,8 @@ def from_profile(
     meridian, mass = _Meridian(curve), _Density(density)
     with np.errstate(all="ignore"):  # what is not finite is refused
         meridian.check()
-        found, doubt = _agreed(lambda n: _moments(meridian, mass, n), "moments")
-        axial, transverse, centre = found
+        moments, doubt = _agreed(lambda n: _moments(meridian, mass, n), "moments")
+        axial, transverse, centre = moments
         terms, error = _series(meridian, centre, tolerance)
     numbers = [float(t) for t in terms]
     return Body(
@@ -178,17 +178,17 @@ class _Meridian:
 
     def __call__(self, u: Any) -> tuple[Floats, Floats]:
         """Distance from the axis and place along it, two arrays of the shape of u."""
-        given = np.asarray(u, dtype=float)
+        points = np.asarray(u, dtype=float)
         if not callable(self.curve):
             raise ParameterError(f"curve is {shown(self.curve)}; give a function of u.")
-        found = _called("curve", self.curve, given)
+        values = _called("curve", self.curve, points)
         try:
-            r, z = found
+            r, z = values
             pair = real_numbers("r", r), real_numbers("z", z)
-            return np.broadcast_to(pair[0], given.shape), np.broadcast_to(pair[1], given.shape)
+            return np.broadcast_to(pair[0], points.shape), np.broadcast_to(pair[1], points.shape)
         except Exception:  # what a user's function gives may raise anything
             raise ParameterError(
-                f"curve gives {shown(found)} at {shown(given)}; give a function of u made of "
+                f"curve gives {shown(values)} at {shown(points)}; give a function of u made of "
                 "NumPy's with a pair (r, z), such as lambda u: (np.sin(u), -np.cos(u))."
             ) from None
 
@@ -196,9 +196,9 @@ class _Meridian:
         """Slope of z, by a complex step or, where complex numbers are not taken, by differences."""
         step = 1e-30
         with suppress(Exception):  # as above
-            found = np.asarray(self.curve(u + 1j * step)[1])
-            if found.dtype.kind == "c":
-                return np.broadcast_to(found.imag / step, u.shape)
+            slope = np.asarray(self.curve(u + 1j * step)[1])
+            if slope.dtype.kind == "c":
+                return np.broadcast_to(slope.imag / step, u.shape)
         h = 1e-3  # eighth order
         weights = (4 / 5, -1 / 5, 4 / 105, -1 / 280)
         total = sum(c * (self(u + k * h)[1] - self(u - k * h)[1]) for k, c in enumerate(weights, 1))
@@ -244,22 +244,22 @@ class _Density:
             raise ParameterError(
                 f"density is {shown(self.density)}; give a function of r and z, or nothing."
             )
-        given = _called("density", self.density, r, z)
+        values = _called("density", self.density, r, z)
         try:
-            found = np.broadcast_to(real_numbers("it", given), r.shape)
+            densities = np.broadcast_to(real_numbers("it", values), r.shape)
         except Exception:  # what a user's function gives may raise anything
             raise ParameterError(
-                f"density gives {shown(given)} at {shown(r)}; give a function of r and z made of "
+                f"density gives {shown(values)} at {shown(r)}; give a function of r and z made of "
                 "NumPy's with one number at each."
             ) from None
-        bad = ~(np.isfinite(found) & (found >= 0))
-        if bad.any() or not found.any():
+        bad = ~(np.isfinite(densities) & (densities >= 0))
+        if bad.any() or not densities.any():
             at = tuple(np.argwhere(bad)[0]) if bad.any() else (0, 0)
             raise ParameterError(
-                f"density is {found[at]:.3g} at r = {r[at]:.3g} and z = {z[at]:.3g}; it must be "
-                "finite and nowhere negative, and above 0 somewhere."
+                f"density is {densities[at]:.3g} at r = {r[at]:.3g} and z = {z[at]:.3g}; it must "
+                "be finite and nowhere negative, and above 0 somewhere."
             )
-        return found
+        return densities
 
 
 def _called(what: str, function: Callable[..., Any], *arrays: Floats) -> Any:
