@@ -77,6 +77,18 @@ def test_printed_folds_of_a_reaction_are_found_by_a_state() -> None:
     assert points.complete
 
 
+@pytest.mark.long
+@pytest.mark.filterwarnings("ignore::stability.StabilityWarning")
+def test_crossings_far_from_a_pole_are_listed_where_pieces_near_it_stay_open() -> None:
+    """As w → 14/3 the reaction needs p → ∞: the budget of pieces ends there, and there alone."""
+    family = st.Family(
+        reaction(), "rest", at=("w",), unknown={"u": 0.3, "p": 0.1}, equations=("u", "w")
+    )
+    points = st.boundaries(family, axis=("w", 0.05, 4.6, 60), every=True, heat=14.0, loss=2.0)
+    assert [c.crossing.word for c in points] == ["static", "static", "flutter"]
+    assert not points.complete and min(u.low for u in points.unresolved) > 4.5
+
+
 def test_a_trim_has_its_thrust_and_its_spectrum() -> None:
     family = car().steady("v", unknown="thrust", guess={"v": 2.0, "thrust": 1.0, "drag": 0.5})
     assert family.left_out == ("place",) and family.trimmed == ("thrust",)

@@ -14,6 +14,7 @@ from __future__ import annotations
 import heapq
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import chain, groupby
 from typing import Any, TypeVar
@@ -260,7 +261,9 @@ class _PieceSearch:
                 if not self.meetings.joined(piece):
                     return Leaf(low, high, None, BRANCH)
                 count = self.meetings.zeros_in(piece)
-                near = self.meetings.near(piece) if count == 1 else None
+                near = None
+                with suppress(NoMemberError):  # the middle of a box need not be near its member
+                    near = self.meetings.near(piece) if count == 1 else None
         except NoMemberError:
             return Leaf(low, high, None, NO_MEMBER)
         except (NoValueError, ZeroDivisionError, OverflowError):
