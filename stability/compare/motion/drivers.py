@@ -164,7 +164,7 @@ def _rates(law: str) -> Callable[[Any, Any], Any]:
     return rates
 
 
-def _plain(scene: ReferenceMotion) -> tuple[Callable[[float, Any], Any], Any]:
+def plain(scene: ReferenceMotion) -> tuple[Callable[[float, Any], Any], Any]:
     """Rates f(t, y) and the start, without events or an account of energy."""
     rates = _rates(scene.law)
     p = np.array([scene.k, *([] if scene.mu is None else [scene.mu]), 1e-6])
@@ -172,7 +172,8 @@ def _plain(scene: ReferenceMotion) -> tuple[Callable[[float, Any], Any], Any]:
     return lambda _t, y: rates(y, p), np.array(scene.start[:own])
 
 
-def _six(states: Any) -> Floats:
+def six(states: Any) -> Floats:
+    """States of the rough disk with a slip of zero; others as they are."""
     return np.pad(states, ((0, 0), (0, 6 - states.shape[1])))
 
 
@@ -194,13 +195,13 @@ class RungeKutta45(Driver):
         """Call `solve_ivp` with these options."""
         from scipy.integrate import solve_ivp
 
-        f, start = _plain(scene)
+        f, start = plain(scene)
         found = solve_ivp(f, times[[0, -1]], start, t_eval=times, **options)
         if not found.success:
             raise ArithmeticError(found.message)
         if not np.isfinite(found.y).all():
             raise ArithmeticError("a state that is not finite")
-        return Answer(found.t, _six(found.y.T), "moving", float(found.t[-1]))
+        return Answer(found.t, six(found.y.T), "moving", float(found.t[-1]))
 
 
 class AsItComes(RungeKutta45):
@@ -236,7 +237,7 @@ class FixedStep(Driver):
         """Integrate; `tolerance` is the step."""
         from ...integrators.flow import flow
 
-        f, y = _plain(scene)
+        f, y = plain(scene)
         which = flow(scene.law)
         p = np.array([scene.k, *([] if scene.mu is None else [scene.mu]), 1e-6])
         pad = np.zeros(len(which.names) - len(y))
@@ -250,10 +251,10 @@ class FixedStep(Driver):
                 if not np.isfinite(y).all():
                     raise ArithmeticError("a state that is not finite")
                 if values[0] <= 0:
-                    states = _six(np.array(rows))
+                    states = six(np.array(rows))
                     return Answer(times[: len(rows)], states, "lift-off", a + (i + 1) * h)
             rows.append(y)
-        return Answer(times, _six(np.array(rows)), "moving", float(times[-1]))
+        return Answer(times, six(np.array(rows)), "moving", float(times[-1]))
 
 
 def _step(f: Callable[[float, Any], Any], y: Any, h: float) -> Any:
