@@ -338,9 +338,9 @@ def _of_conditions(derived: Conditions) -> list[str]:
         rows += [[rf"p_{{{i}}}({lam})", *_related(whole)], *named]
     out = [r"\section*{Characteristic polynomial}", rf"\[ {' '.join(factors)} = 0 \]"]
     out += sheet.display(rows)
-    if derived.relations:
-        zeros = [_expression(p) for _, p in derived.relations]
-        out += ["with", *sheet.display([[*sheet.sum(p), "= 0"] for p in zeros])]
+    zeros = [sheet.sum(_expression(p)) for _, p in derived.relations]
+    if zeros := [zero for zero in zeros if zero != ["0"]]:  # sin² + cos² = 1 goes without saying
+        out += ["with", *sheet.display([[*zero, "= 0"] for zero in zeros])]
     out.append(r"\section*{Conditions of stability}")
     asked = [c for c in derived.conditions if any(any(e) for _, e in c.polynomial.terms)]
     if derived.branch and asked:
