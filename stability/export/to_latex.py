@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import chain
+from itertools import chain, count
 from math import prod
 from typing import Any
 
@@ -138,9 +138,7 @@ class Sign(sympy.Function):  # type: ignore[misc]
 
 
 _SYMPY = sympy_algebra()
-ALGEBRA = Algebra(
-    "latex", _SYMPY.constant, _SYMPY.functions | {"fabs": Modulus, "sign": sympy.sign}
-)
+ALGEBRA = Algebra("latex", _SYMPY.constant, _SYMPY.functions | {"fabs": Modulus, "sign": Sign})
 """The number type for `Program.run`."""
 
 
@@ -176,6 +174,10 @@ class _Motion:
             raise ParameterError(
                 f"{system.name} has equations of {signs:.1g} symbols and signs, too many to print; "
                 "stability.export.c_code writes them as code."
+            )
+        if any(e.has(sympy.zoo, sympy.nan) for e in chain(own, *rest)):
+            raise ParameterError(
+                f"{system.name} has a number that is not finite, such as 1/0; give finite ones."
             )
         table = {system.states[i]: rate for i, rate in zip(free, own, strict=True)}
         for state, rate in table.items():  # q_rate, if it is the rate of q, reads as a velocity
@@ -394,7 +396,10 @@ class _Printer(LatexPrinter):  # type: ignore[misc]
         return scientific(repr(float(value)).removesuffix(".0"))
 
     def _print_Sign(self, value: Expr) -> str:
-        return rf"\operatorname{{sign}}\left({self._print(value.args[0])}\right)"
+        given = ", ".join(map(self._print, value.args))
+        return rf"\operatorname{{{type(value).__name__.lower()}}}\left({given}\right)"
+
+    _print_atan2 = _print_Sign
 
     def _print_Modulus(self, value: Expr, exp: str = "") -> str:
         power = f"^{{{exp}}}" if exp else ""
@@ -531,9 +536,10 @@ class Sheet:
             return whole**exponent
         key = ("R" if root else "D", value)
         if key not in self._named:
-            count = sum(letter == key[0] for letter, _ in self._named) + 1
-            symbol = sympy.Symbol(f"{key[0]}_{count}", positive=root or None)
-            self.names[symbol] = name = f"{key[0]}_{{{count}}}"
+            free = (f"{key[0]}_{{{n}}}" for n in count(1))
+            name = next(n for n in free if n not in self.names.values())
+            symbol = sympy.Symbol(name, positive=root or None)
+            self.names[symbol] = name
             self._named[key] = symbol
             self._lines.append([name, *_related(self._split(value))])
         return self._named[key] ** (2 * exponent if root else exponent)

@@ -261,6 +261,23 @@ def test_what_has_no_formula_is_refused() -> None:
         st.latex(3)  # type: ignore[arg-type]
 
 
+def test_a_number_that_is_not_finite_is_refused() -> None:
+    x = ca.SX.sym("x")
+    with pytest.raises(st.StabilityError, match="not finite"):
+        st.latex(st.System("broken", x, ca.SX(0, 1), -x * ca.inf, states=("x",)))
+
+
+def test_a_switch_and_an_angle_have_signs_that_are_read() -> None:
+    x, v, d = (ca.SX.sym(n) for n in ("x", "v", "D_1"))
+    rates = ca.vertcat(ca.fabs(x) * ca.atan2(v, x), ca.sign(v) / (1 + x**2 + v**2 + d) ** 2)
+    system = st.System("switch", ca.vertcat(x, v), d, rates, states=("x", "v"), parameters=("D_1",))
+    assert displays(st.latex(system, standalone=False).split(r"\section*{Lin")[0]) == [
+        ("D_{2}", "=", "D_{1} + v^{2} + x^{2} + 1"),  # D_1 is the user's
+        (r"\dot{x}", "=", r"\left|{x}\right| \, \operatorname{atan2}\left(v, x\right)"),
+        (r"\dot{v}", "=", r"\frac{\operatorname{sign}\left(v\right)}{D_{2}^{2}}"),
+    ]
+
+
 def test_the_command_writes_a_document(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "spinning.tex"
     words = ["export", "latex", "spinning", "--contact", "rough", "--out", str(out)]
