@@ -211,9 +211,9 @@ def _standings(one: Part) -> tuple[str, list[str]]:
         "takes by default is on the Pareto front."
     )
     if behind:
-        low, high = (f(s.factor for s in behind) for f in (min, max))
+        factors = dict.fromkeys(f"{f(s.factor for s in behind):.2g}" for f in (min, max))
         told += (
-            f" In the others the nearest is {low:.2g} to {high:.2g} times slower than the fastest "
+            f" In the others the nearest is {' to '.join(factors)} times slower than the fastest "
             "route that is as accurate; the table below the figures says for each why."
         )
     lines = [
