@@ -18,7 +18,7 @@ from .cost import least, timed
 from .motion.chart import judged
 from .motion.drivers import Answer as Motion
 from .motion.drivers import RungeKutta45, driver
-from .motion.reference_motions import ReferenceMotion, scene
+from .motion.reference_motions import scene
 from .spectrum.chart import bisected, errors, exact_edge, proved
 from .spectrum.points import EDGES, Points, points_of
 from .spectrum.routes import Answer, route
@@ -131,35 +131,8 @@ def _error_of_boundary(name: str, value: float) -> float:
 # --- simulate ---
 
 
-class WithEvent(RungeKutta45):
-    """`solve_ivp` that ends where the normal force vanishes."""
-
-    def solved(self, scene: ReferenceMotion, times: Floats, **options: Any) -> Motion:
-        """Call `solve_ivp` with these options."""
-        from scipy.integrate import solve_ivp
-
-        from ..integrators.flow import flow
-        from .motion.drivers import plain, six
-
-        f, start = plain(scene)
-        which = flow(scene.law)
-        p = np.array([scene.k, *([] if scene.mu is None else [scene.mu]), 1e-6])
-        pad = np.zeros(len(which.names) - len(start))
-
-        def normal(_: float, y: Any) -> Any:
-            return which.quick.watch(p, np.concatenate([y, pad]))[0][0]
-
-        normal.terminal = True  # type: ignore[attr-defined]
-        found = solve_ivp(f, times[[0, -1]], start, t_eval=times, events=normal, **options)
-        [ends] = found.t_events
-        outcome = "lift-off" if ends.size else "moving"
-        return Motion(
-            found.t, six(found.y.T), outcome, float(ends[0] if ends.size else found.t[-1])
-        )
-
-
-def _solved(method: str, **options: float) -> Callable[[str], Motion]:
-    return lambda name: WithEvent().solved(scene(name), scene(name).asked, method=method, **options)
+def _solved(**options: Any) -> Callable[[str], Motion]:
+    return lambda name: RungeKutta45().solved(scene(name), scene(name).asked, ends=True, **options)
 
 
 def _simulated(name: str) -> Motion:
@@ -173,7 +146,6 @@ def _error_of_motion(name: str, motion: Motion) -> float:
 
 
 EIGVALS = "Jacobian by AD at all cells or members, then numpy.linalg.eigvals"
-TIGHT = {"rtol": 1e-9, "atol": 1e-9}
 QUESTIONS: dict[str, Question] = {
     "map": Question(
         "map: 10², 40², 160² cells",
@@ -212,8 +184,10 @@ QUESTIONS: dict[str, Question] = {
         _error_of_motion,
         {
             "simulate": Way("simulate(): checked by neighbours", _simulated, own=True),
-            "RK45": Way("solve_ivp with its defaults, an event", _solved("RK45")),
-            "LSODA": Way("solve_ivp (LSODA, 1e-9), an event", _solved("LSODA", **TIGHT)),
+            "RK45": Way("solve_ivp with its defaults, an event", _solved()),
+            "LSODA": Way(
+                "solve_ivp (LSODA, 1e-9), an event", _solved(method="LSODA", rtol=1e-9, atol=1e-9)
+            ),
         },
     ),
 }
