@@ -348,7 +348,8 @@ def _of_conditions(derived: Conditions) -> list[str]:
     if derived.branch and asked:
         out.append(rf"\noindent On {escaped(derived.branch)}:")
     for one in asked:
-        out.append(rf"\noindent {escaped(one.name)} of $p_{{{one.factor + 1}}}$: {one.status}")
+        status = one.status + " sign" * (one.status == "changes")
+        out.append(rf"\noindent {escaped(one.name)} of $p_{{{one.factor + 1}}}$: {status}")
         sign = {"negative": "<", "zero": "="}.get(one.status, ">")
         side = shortest(_expression(one.polynomial, _scale([one.polynomial])), sheet.names)
         out += sheet.display([[*sheet.sum(side), f"{sign} 0"]])
