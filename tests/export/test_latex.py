@@ -39,6 +39,7 @@ def pump() -> st.System:
 
 SYSTEMS: dict[str, Any] = {
     "pump": pump,
+    "double pendulum": lambda: double_pendulum(),
     "viscous disk": lambda: st.disk_system("viscous"),
     "rough disk": lambda: st.disk_system("rough"),
     "torus": lambda: st.Torus(0.2).family("spinning", "viscous").system,
