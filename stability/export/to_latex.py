@@ -295,7 +295,7 @@ def _of_family(family: Family) -> list[str]:
     said += [rf"{names[n]}\text{{ solved for}}" for n in family.unknown]
     said += [rf"{names[n]}\text{{ of any value}}" for n in family.left_out]
     said = [
-        *(f"{one}," for one in said),
+        *(rf"{one},\;" for one in said),
         rf"\text{{named by }}{', '.join(names[n] for n in family.at)}",
     ]
     return [
@@ -342,7 +342,7 @@ def _of_conditions(derived: Conditions) -> list[str]:
     out += sheet.display(rows)
     zeros = [sheet.sum(_expression(p)) for _, p in derived.relations]
     if zeros := [zero for zero in zeros if zero != ["0"]]:  # sin² + cos² = 1 goes without saying
-        out += ["with", *sheet.display([[*zero, "= 0"] for zero in zeros])]
+        out += ["with", *sheet.display([*zero, f"{last} = 0"] for *zero, last in zeros)]
     out.append(r"\section*{Conditions of stability}")
     asked = [c for c in derived.conditions if any(any(e) for _, e in c.polynomial.terms)]
     if derived.branch and asked:
@@ -352,7 +352,8 @@ def _of_conditions(derived: Conditions) -> list[str]:
         out.append(rf"\noindent {escaped(one.name)} of $p_{{{one.factor + 1}}}$: {status}")
         sign = {"negative": "<", "zero": "="}.get(one.status, ">")
         side = shortest(_expression(one.polynomial, _scale([one.polynomial])), sheet.names)
-        out += sheet.display([[*sheet.sum(side), f"{sign} 0"]])
+        *terms, last = sheet.sum(side)
+        out += sheet.display([[*terms, f"{last} {sign} 0"]])
     return out if asked else [*out, rf"\noindent {escaped(derived.rule)}"]
 
 
