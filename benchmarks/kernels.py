@@ -37,7 +37,6 @@ from stability.base.axis import Axis
 from stability.maps.cells import Cells
 from stability.maps.compiled.rates import CompiledRates
 from stability.maps.engine import COMPILED_FROM
-from stability.maps.points import codes_at
 from stability.maps.verdicts import SliceVerdicts, slice_verdicts
 from stability.spectra.axes import swept
 from stability.spectra.certificate import certify
@@ -270,11 +269,10 @@ def maps(family: str) -> dict[str, Any]:
 
 
 def signs_wrong(question: Any, axes: tuple[Axis, Axis], slow: Callable[[], Any]) -> str:
-    at, mu = np.meshgrid(axes[0].values, axes[1].values[:: NY // BASE_ROWS])
-    values = dict(question.values) | {"at": at, "mu": mu}
-    codes, _ = codes_at(question, values)
-    lead = slow().reshape(at.shape)
-    return f"{int(((lead < 0) != (codes == 1)).sum())} of {at.size}"
+    rows = axes[1].values[:: NY // BASE_ROWS]
+    codes, _ = verdicts_of(question, axes)(axes[0].values, rows)
+    lead = slow().reshape(codes.shape)
+    return f"{int(((lead < 0) != (codes == 1)).sum())} of {codes.size}"
 
 
 def packed(family: str, distance: float) -> dict[str, Any]:

@@ -18,7 +18,7 @@ import stability as st
 from stability.figures.animate import save_gif
 
 FOLDER = Path(__file__).resolve().parent / "films"
-WIDTH, COLOURS, RATE = 480, 48, 12.5
+WIDTH, COLOURS, RATE = 480, 46, 12.5
 """Width of a kept film in dots, its colours, and frames in a second: it is then below 600 kB."""
 RING, ROLLING = 0.97, 0.02
 """Inner radius of the ring, and its coefficient of rolling resistance."""

@@ -6,6 +6,7 @@ from the measured numbers, which the repository keeps.
 
 from __future__ import annotations
 
+import csv
 import hashlib
 import os
 import shutil
@@ -144,6 +145,10 @@ def _report_figure(name: str) -> Any:
             return found.load()
 
     part, _, what = name.partition("-")
+    if part == "calls":
+        lines = csv.DictReader((REPORT / "calls.csv").read_text(encoding="utf-8").splitlines())
+        of = {"error": lambda v: float(v) if v else None, "time [s]": float}
+        return figures.calls_figure([{n: of.get(n, str)(v) for n, v in r.items()} for r in lines])
     if part == "failures":
         cases = failures.from_csv((REPORT / "failures.csv").read_text(encoding="utf-8"))
         if what == "ladder":
@@ -183,6 +188,7 @@ FROM_REPORT = (
     "motion-path",
     "motion-event",
     "motion-first",
+    "calls",
     "failures-linear",
     "failures-motion",
     "failures-ladder",

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import cache, lru_cache, partial
 from importlib import import_module
 from importlib.util import find_spec
-from math import prod
+from math import isfinite, prod
 from pathlib import Path
 from threading import RLock
 from types import ModuleType
@@ -157,7 +157,7 @@ def ball_power(x: Any, y: Any) -> Any:
 
 
 def sympy_algebra() -> Algebra:
-    """SymPy expressions, with every constant an exact rational.
+    """SymPy expressions, with every constant an exact rational, or nan where it is not finite.
 
     Examples
     --------
@@ -166,9 +166,12 @@ def sympy_algebra() -> Algebra:
     """
     import sympy
 
+    def constant(value: float) -> Any:  # SymPy's Rational reads an infinity as 0
+        return sympy.Rational(value) if isfinite(value) else sympy.nan
+
     names = (*UNARY, "asinh", "acosh", "atanh", "atan2")
     table = {name: getattr(sympy, name) for name in names}
-    return Algebra("sympy", sympy.Rational, table | {"pow": sympy.Pow, "fabs": sympy.Abs})
+    return Algebra("sympy", constant, table | {"pow": sympy.Pow, "fabs": sympy.Abs})
 
 
 def casadi_algebra() -> Algebra:

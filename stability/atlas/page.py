@@ -21,7 +21,7 @@ from ..bodies.families import FAMILIES
 from ..boundary.brackets import Crossing
 from ..boundary.curves import KINDS
 from ..spectra.labels import LIBRARIES
-from ..storage.html import figure, head
+from ..storage.html import figure, head, unbroken
 
 BODIES: dict[str, tuple[Callable[[], Disk], str, str]] = {
     "disk": (Disk.uniform, "uniform disk", "k = 1/4"),
@@ -184,7 +184,7 @@ def _html(pages: list[Page], ends: Sequence[Picture], resolution: int, draft: bo
         mine = [p for p in pages if p.family == family]
         parts += [
             f'<h2 id="{family}">{family.capitalize()}</h2>',
-            f"<p>{FAMILIES[family].symbols}</p>",
+            f"<p>{unbroken(FAMILIES[family].symbols)}</p>",
         ]
         for index in range(len(mine[0].pictures)):
             parts.append('<div class="row">')

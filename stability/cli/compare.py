@@ -90,7 +90,7 @@ def summary(folder: Path, plan: Mapping[str, Sequence[Sequence[Task]]]) -> dict[
     """
     from ..base.provenance import machine
     from ..compare import failures as catalogue
-    from ..compare.plan import FAILURES, SCENES, asked, standings
+    from ..compare.plan import CALLS, FAILURES, SCENES, asked, standings
     from ..compare.report import part
     from ..compare.scenes import choice
     from ..jobs.measured_cells import Journal
@@ -110,6 +110,9 @@ def summary(folder: Path, plan: Mapping[str, Sequence[Sequence[Task]]]) -> dict[
                     for n, (mine, best, ratio) in told.items()
                 },
             }
+            continue
+        if name == CALLS:
+            out[name] = {"files": files, "rows": one.chart}
             continue
         if name != FAILURES:
             out[name] = {"files": files, "standings": [vars(s) for s in standings(one)]}
@@ -139,6 +142,11 @@ def lines(found: dict[str, Any]) -> list[str]:
                 f"{name}: a default route is on the Pareto front in {front} of {len(best)} panels"
             )
             out += [f"  {s.panel}: {s.route} takes {s.factor:.3g} times {s.rival}" for s in behind]
+    for row in found.get("calls", {}).get("rows", ()):
+        error = "no answer" if row["error"] is None else f"error {row['error']:.1e}"
+        out.append(
+            f"{row['question']} {row['size']}, {row['way']}: {row['time [s]']:.2g} s, {error}"
+        )
     for name, one in found.get("scenes", {}).get("models", {}).items():
         told = f"scene {name}: {one['chosen']} answers"
         out.append(f"{told}, at {one['factor']:.3g} times the time of {one['cheapest']}")

@@ -9,7 +9,7 @@ from __future__ import annotations
 from ..figures.canvas import COLUMN, STYLE, figure_style  # isort: skip
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from textwrap import fill, wrap
 from typing import TYPE_CHECKING, Any, Literal
@@ -29,6 +29,7 @@ from ..base.looks import BLUE, GREEN, VERMILION
 from ..base.looks import LOOKS as VERDICT_LOOKS
 from ..base.printing import two_digits
 from ..figures.letters import SMALL, Letter, letters
+from .calls import QUESTIONS
 from .failures import STEPS, Entry, asked_edges, ladder
 from .marks import Mark
 from .motion import chart as motion_chart
@@ -243,7 +244,7 @@ def named(words: str, names: Sequence[str], count: int, width: int = LETTERS + 3
 
 BOTTOM, FLOOR = 3e-18, 1e-17
 """Lower end of an axis of errors, and the least error that is drawn."""
-REFERENCE_ROUTES = ("ad-1e-9", "spectrum", "map", "certified")
+REFERENCE_ROUTES = ("ad-1e-9", "spectrum", "certified")
 """Routes that are named wherever they are right: what people do, and what the package does."""
 
 
@@ -446,6 +447,43 @@ def _boundary_rows(axes: Axes, chart: xarray.Dataset, edges: Sequence[str]) -> N
 def _edge_words(edge: str) -> str:
     family, law, k, mu = edge.split()
     return f"{family}, {law}, k = {k}" + ("" if mu == "None" else f", μ = {float(mu):g}")
+
+
+# --- whole calls ---
+
+
+def calls_figure(rows: Sequence[Mapping[str, Any]]) -> Figure:
+    """Time against error of whole calls, a panel for each question, a larger mark for each size.
+
+    Parameters
+    ----------
+    rows
+        Lines of `stability.compare.calls.rows`.
+    """
+    questions = list(dict.fromkeys(row["question"] for row in rows))
+    with figure_style(STYLE):
+        figure, panels = page(len(questions), 1.0, 0.45)
+        low, high = span([row["time [s]"] for row in rows])
+        for axes, name in zip(panels, questions, strict=True):
+            mine = [r for r in rows if r["question"] == name and r["error"] is not None]
+            log_axis(axes.xaxis, low, high * 3, 1)
+            log_axis(axes.yaxis, BOTTOM, 1e2, 4)
+            title(axes, QUESTIONS[name].title)
+            written = []
+            for way, marker in zip(dict.fromkeys(r["way"] for r in mine), "Dos", strict=False):
+                own = QUESTIONS[name].ways[way].own
+                colour = OWN if own else PEOPLE
+                spots = [(r["time [s]"], max(r["error"], FLOOR)) for r in mine if r["way"] == way]
+                if isinstance(QUESTIONS[name].sizes[0], int):  # others are no scale
+                    axes.plot(*zip(*spots, strict=True), lw=0.6, alpha=0.6, color=colour)
+                for size, (time, error) in zip((2.2, 3.2, 4.4), spots, strict=False):
+                    look = _look(colour, own=own) | {"marker": marker}
+                    axes.plot([time], [error], ms=size, mew=0.7, **look)
+                written.append(Letter(*spots[-1], way, colour))
+            letters(axes, written)
+        frame(panels, "time of the call [s]", "largest relative error")
+        legend(figure, 0.2, _route_handles()[:2], 2)
+    return figure
 
 
 # --- shares of right and wrong answers, a row for each method ---

@@ -13,6 +13,7 @@ from ..base.provenance import machine, today
 from ..storage.files import write_file
 from ..storage.html import figure, head
 from . import failures as catalogue
+from .calls import WAYS
 from .marks import Mark
 from .motion import chart as motion_chart
 from .motion.drivers import DRIVERS
@@ -30,6 +31,7 @@ HEADING = "Cost against error, and where methods fail"
 TITLES = {
     "spectrum": "Spectra: time against error",
     "motion": "Motions: work against precision",
+    "calls": "Whole calls: time against error",
     "scenes": "Scenes: the least model that answers",
     "failures": "Where methods fail",
 }
@@ -37,15 +39,12 @@ TITLES = {
 WHY = {
     "spectrum": "it checks that the motion is steady, removes the zeros by structure, and puts a "
     "disc with a bound about every eigenvalue, none of which the rival does",
-    "map": "it bounds every growth rate, and hands what doubles cannot bound to exact arithmetic",
-    "map-verdict": "it proves every sign",
     "simulate": "it runs every launch three times, which tells its error, and watches for the ends "
     "of the motion; simulate(check=False) is charted as “unchecked”",
 }
 """Reason why a default route may not be the fastest, by route."""
 ANOTHER = {
     ("spectrum", "verdict"): "it finds the eigenvalues too",
-    ("map", "verdict"): "it finds the eigenvalues too",
     ("simulate", "model"): "the rival is another model, whose energy account closes for any of its "
     "path",
 }
@@ -125,7 +124,7 @@ def _section(one: Part) -> list[str]:
         found += _verdict(one.chart)
     elif one.name == "scenes":
         found.append(f"<p>{html.escape(sentence(one.chart))}</p>")
-    else:
+    elif one.name != "calls":
         told, places = _standings(one)
         found.append(told)
     if not one.plates and one.name != "scenes":
@@ -145,11 +144,12 @@ def _methods(one: Part) -> list[str]:
         "spectrum": spectrum_chart.CHARTED,
         "motion": motion_chart.NAMES,
         "failures": (*catalogue.ROUTE_NAMES, *catalogue.DRIVER_NAMES),
+        "calls": WAYS,
         "scenes": (),
     }[one.name]
     if not asked:
         return []
-    known: dict[str, Any] = {**ROUTES, **DRIVERS}
+    known: dict[str, Any] = WAYS if one.name == "calls" else {**ROUTES, **DRIVERS}
     given = set(_asked(one))
     lines = [
         f"<dt{' class=own' if known[n].own else ''}>{n}</dt><dd>{html.escape(known[n].title)}</dd>"
@@ -166,6 +166,8 @@ def _asked(one: Part) -> Iterable[str]:
     """Names of the methods that a part asked."""
     if one.name == "failures":
         return (e.method for e in one.chart)
+    if one.name == "calls":
+        return (row["way"] for row in one.chart)
     along = "route" if one.name == "spectrum" else "driver"
     return [str(name) for name in one.chart[along].values]
 
@@ -209,9 +211,9 @@ def _standings(one: Part) -> tuple[str, list[str]]:
         "takes by default is on the Pareto front."
     )
     if behind:
-        low, high = (f(s.factor for s in behind) for f in (min, max))
+        factors = dict.fromkeys(f"{f(s.factor for s in behind):.2g}" for f in (min, max))
         told += (
-            f" In the others the nearest is {low:.2g} to {high:.2g} times slower than the fastest "
+            f" In the others the nearest is {' to '.join(factors)} times slower than the fastest "
             "route that is as accurate; the table below the figures says for each why."
         )
     lines = [

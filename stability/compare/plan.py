@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 from ..base.checks import chosen
 from ..base.errors import NameUnknownError, ParameterError, shown
 from ..jobs.measured_cells import Cell, Task
+from . import calls, scenes
 from . import failures as catalogue
-from . import scenes
 from .motion import chart as motion_chart
 from .motion.reference_motions import scene
 from .spectrum import chart as spectrum_chart
@@ -19,9 +19,11 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SPECTRUM, MOTION, FAILURES, SCENES = "spectrum", "motion", "failures", "scenes"
+CALLS = "calls"
 PARTS: dict[str, Callable[[], list[list[Task]]]] = {
     SPECTRUM: spectrum_chart.tasks,
     MOTION: motion_chart.tasks,
+    CALLS: calls.tasks,
     SCENES: scenes.tasks,
     FAILURES: catalogue.tasks,
 }
@@ -129,13 +131,13 @@ class Part:
     """One complete part of a report."""
 
     name: str
-    """`spectrum`, `motion`, `scenes` or `failures`."""
+    """`spectrum`, `motion`, `calls`, `scenes` or `failures`."""
     plates: tuple[Plate, ...]
     """Figures of the part."""
     data: Mapping[str, Callable[[], Any]]
     """Files with its numbers: what each holds, by name."""
     chart: Any
-    """Dataset of a chart, entries of the catalogue, or charts of scenes by name."""
+    """Dataset of a chart, rows of calls, entries of the catalogue, or charts of scenes by name."""
 
 
 # --- what the charts say ---

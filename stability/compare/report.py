@@ -22,10 +22,11 @@ from ..storage.files import together, write_file
 from ..storage.pieces import is_records
 from ..storage.targets import check_folder, path_text, place, refusing
 from ..storage.text import csv_text
+from . import calls, scenes
 from . import failures as catalogue
-from . import scenes
 from .motion import chart as motion_chart
 from .plan import (
+    CALLS,
     FAILURES,
     METRICS,
     MOTION,
@@ -43,7 +44,7 @@ from .spectrum import chart as spectrum_chart
 if TYPE_CHECKING:
     import xarray
 
-ALONE = (SPECTRUM, MOTION, SCENES)
+ALONE = (SPECTRUM, MOTION, CALLS, SCENES)
 """Timed parts: their cells run one at a time, so that none disturbs a timing."""
 
 
@@ -65,8 +66,8 @@ def report(
         Folder of the report.  A folder with a journal is resumed if package, libraries and machine
         are the same as at its start.
     parts
-        Parts to make: `spectrum`, `motion`, `scenes`, `failures`.  The page also shows other parts
-        whose cells are all in the folder.
+        Parts to make: `spectrum`, `motion`, `calls`, `scenes`, `failures`.  The page also shows
+        other parts whose cells are all in the folder.
     cases
         Names of what is asked, all if left out: hardness classes and `boundary` of spectra,
         motions, scenes, hard cases of the catalogue.  A word of a name or of a heading chooses
@@ -165,7 +166,13 @@ def _folder(out: Any, overwrite: bool) -> Path:
 
 def part(name: str, cells: Mapping[str, Cell]) -> Part:
     """Build a part from its cells."""
-    made = {SPECTRUM: _spectrum, MOTION: _motion, SCENES: _scenes, FAILURES: _failures}
+    made = {
+        SPECTRUM: _spectrum,
+        MOTION: _motion,
+        CALLS: _calls,
+        SCENES: _scenes,
+        FAILURES: _failures,
+    }
     return made[name](cells)
 
 
@@ -270,6 +277,23 @@ def _motion(cells: Mapping[str, Cell]) -> Part:
         "motion.csv": lambda: motion_chart.motion_csv(cells),
     }
     return Part(MOTION, tuple(plates), data, chart)
+
+
+def _calls(cells: Mapping[str, Cell]) -> Part:
+    from .figures import calls_figure
+
+    rows = calls.rows(cells)
+    plate = Plate(
+        "calls",
+        "Whole calls with their defaults, next to what a user would write instead: time of a "
+        "repeat against the largest error, larger marks for larger questions. Maps and spectra: "
+        "growth rates and eigenvalues; boundaries: the place; simulate: the whole path. The "
+        "package's calls prove or check what they return; the others do not.",
+        lambda: calls_figure(rows),
+    )
+    columns = [*rows[0]] if rows else []
+    data = {"calls.csv": lambda: csv_text(columns, [[*row.values()] for row in rows])}
+    return Part(CALLS, (plate,) if rows else (), data, rows)
 
 
 def _scenes(cells: Mapping[str, Cell]) -> Part:

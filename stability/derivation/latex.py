@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
 from ..bodies.quantities import QUANTITIES
 
@@ -54,8 +54,8 @@ SIGNS = {
     "\u2060": "",
 }
 """Signs in formulas."""
-WIDTH = 80
-"""Characters of LaTeX in a row of a polynomial."""
+ROOM = 21.0
+"""Width of a line [em]: of a column of 85 mm in 10 pt, less the rounding of `width`."""
 OF_DISK = {
     name: re.sub(r"_(\w)$", r"_{\1}", QUANTITIES[name].latex)
     for name in ("mu", "phi_dot", "theta_dot", "omega3", "theta", "slip_x", "slip_y")
@@ -104,14 +104,28 @@ def symbol(name: str) -> str:
             return rf"\sqrt{{{inner}}}"
         head = f"\\{match[1]}" if match[1] in FUNCTIONS else rf"\mathrm{{{match[1]}}}"
         return rf"{head}\left({inner}\right)"
-    if dotted := re.fullmatch(r"(\w+)_dot", name):
-        return rf"\dot{{{symbol(dotted[1])}}}"
+    if rate := re.fullmatch(r"(\w+)_dot", name):
+        return dotted(symbol(rate[1]))
     first, *rest = [p for p in name.split("_") if p] or ["x"]
     digits = re.fullmatch(r"([A-Za-z]+)(\d+)", first)
     if digits:
         first, rest = digits[1], [digits[2], *rest]
     head = _letter(first)
     return head + (f"_{{{','.join(_letter(r) for r in rest)}}}" if rest else "")
+
+
+def dotted(latex: str) -> str:
+    r"""The rate of a symbol.
+
+    Examples
+    --------
+    >>> print(dotted("v_{x}"), dotted(r"\dot{\psi}"))
+    \dot{v}_{x} \ddot{\psi}
+    """
+    if latex.startswith(r"\dot"):
+        return latex.replace(r"\dot", r"\ddot", 1)
+    head, mark, index = latex.partition("_{")
+    return rf"\dot{{{head}}}{mark}{index}" if "{" not in head else rf"\dot{{{latex}}}"
 
 
 def _letter(word: str) -> str:
@@ -148,7 +162,7 @@ def polynomial_rows(
     variables: Sequence[str],
     names: Mapping[str, str],
 ) -> list[str]:
-    r"""A polynomial in rows of about `WIDTH` characters.
+    r"""A polynomial in rows as wide as `ROOM`.
 
     Parameters
     ----------
@@ -176,12 +190,52 @@ def polynomial_rows(
         number = [scientific(size)] * (size != "1" or not factors)
         mark = f"{sign} " * bool(sign == "-" or row)
         part = mark + r"\,".join([*number, *factors])
-        if row and len(row) + len(part) > WIDTH:
+        if row and width(row) + width(part) > ROOM:
             rows.append(row)
             row = part
         else:
             row = f"{row} {part}".strip()
     return [*rows, row or "0"]
+
+
+WIDTHS = {"+": 1.25, "-": 1.25, "=": 1.35, ">": 1.35, "<": 1.35, " ": 0.0, "&": 0.0, "(": 0.45}
+WIDTHS |= {")": 0.45, ",": 0.45, "|": 0.3, ".": 0.3, r"\,": 0.17, r"\;": 0.28, r"\quad": 1.0}
+WIDTHS |= {rf"\{word}": 0.0 for word in "left right bigl bigr dot ddot mathit mathrm text".split()}
+WIDTHS |= {rf"\{name}": 0.2 + 0.5 * len(name) for name in FUNCTIONS}
+"""Widths of what is no letter [em]."""
+
+
+def width(text: str) -> float:
+    r"""The width of a formula in 10 pt, roughly [em].
+
+    Examples
+    --------
+    >>> width(r"\frac{a + b}{2}") < width("a + b + c")
+    True
+    """
+    return _width(iter(re.findall(r"\\[A-Za-z]+|\\.|.", text)))
+
+
+def _width(tokens: Iterator[str]) -> float:
+    """The width up to the end of a group."""
+    size = 0.0
+    for token in tokens:
+        if token == "}":
+            break
+        if token == "{":
+            size += _width(tokens)
+        elif token in (r"\frac", r"\tfrac"):
+            size += 0.25 + max(_argument(tokens), _argument(tokens))
+        elif token in "^_":
+            size += 0.7 * _argument(tokens)
+        else:
+            size += WIDTHS.get(token, 0.55)
+    return size
+
+
+def _argument(tokens: Iterator[str]) -> float:
+    token = next(t for t in tokens if t != " ")
+    return _width(tokens) if token == "{" else WIDTHS.get(token, 0.55)
 
 
 def scientific(text: str) -> str:

@@ -30,8 +30,8 @@ LAW_NAMES = {
 """Words on the buttons."""
 WORDS = {
     "smooth": "no friction",
-    "viscous": "viscous friction, F = −μ\u00a0N\u00a0v",
-    "linear-viscous": "linear viscous friction, F = −c\u00a0v",
+    "viscous": "viscous friction, F\u00a0=\u00a0−μ\u00a0N\u00a0v",
+    "linear-viscous": "linear viscous friction, F\u00a0=\u00a0−c\u00a0v",
     "rough": "no slip",
 }
 """Each law in words."""

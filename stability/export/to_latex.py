@@ -1,14 +1,19 @@
-"""Equations of motion, Jacobian, characteristic polynomial and conditions in LaTeX."""
+"""Equations of motion, linearised equations, characteristic polynomial, conditions in LaTeX."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import chain, count
+from math import prod
 from typing import Any
 
 import casadi as ca
+import sympy
+from sympy.printing.latex import LatexPrinter
 
-from ..algebra.number_types import MORE, UNARY, Algebra
+from ..algebra.number_types import Algebra, sympy_algebra
 from ..algebra.polynomial import Polynomial
 from ..algebra.program import Program
 from ..algebra.upright import Upright
@@ -18,18 +23,21 @@ from ..bodies.disk import Disk
 from ..bodies.round_body.body import Body
 from ..bodies.subject import family_by_name
 from ..derivation.conditions import Conditions, conditions
-from ..derivation.latex import FUNCTIONS, escaped, polynomial_rows, scientific, symbols
+from ..derivation.latex import ROOM, dotted, escaped, scientific, symbols, width
 from ..systems.equations import Equations
 from ..systems.family import Family
+from ..systems.graph.family_graph import solved_rates
 from ..systems.sources.numeric import NumericSystem
 
-HEAD = r"""\documentclass{article}
+HEAD = r"""\documentclass[twocolumn]{article}
 \usepackage{amsmath}
-\usepackage[margin=15mm,landscape]{geometry}
+\usepackage[margin=15mm]{geometry}
 \allowdisplaybreaks
 \begin{document}
 """
 """The document around the formulas: amsmath and geometry, of every LaTeX."""
+Expr = Any
+"""A SymPy expression; SymPy states no types."""
 
 
 def latex(
@@ -41,17 +49,18 @@ def latex(
     standalone: bool = True,
     **parameters: Any,
 ) -> str:
-    r"""Equations of motion, Jacobian, characteristic polynomial and conditions in LaTeX.
+    r"""Equations of motion, linearised equations, characteristic polynomial, conditions in LaTeX.
 
-    Long expressions that occur more than once get names w_1, w_2, … with a line each, so that the
-    formulas are those of the graph, term by term.
+    Lines fit a column of 85 mm.  Equations with a mass matrix stay M u̇ = f, a row each.  Long
+    divisors and roots get names, D_1, R_1, …, with a line each.
 
     Parameters
     ----------
     subject
-        A `System` (its equations of motion, and the Jacobian of its rates); a `Family` (the same at
-        its steady motions, then the characteristic polynomial and the conditions of stability,
-        derived exactly), or its name; or `Conditions` that were derived before (these alone).
+        A `System` (its equations of motion, and these linearised about any motion); a `Family` (the
+        same about its steady motions, then the characteristic polynomial and the conditions of
+        stability, derived exactly), or its name; or `Conditions` that were derived before (these
+        alone).
     contact, body
         With a family by its name, as for `stability.conditions`.
     positive
@@ -64,7 +73,7 @@ def latex(
     Returns
     -------
     str
-        A document, or the part within one.
+        A document, or the part within one.  Numbers that are no short fractions have 17 digits.
 
     Raises
     ------
@@ -80,15 +89,15 @@ def latex(
     >>> pendulum = st.System("pendulum", x, p, ca.vertcat(x[1], -p * ca.sin(x[0])),
     ...                      states=("theta", "omega"), parameters=("g",))
     >>> print(st.export.latex(pendulum, standalone=False).splitlines()[3])
-    \dot{\omega} &= -g\,\sin\left(\theta\right)
+    &\dot{\omega} = - g \, \sin {\theta}
     """
     subject = family_by_name(subject, body, contact, parameters, "subject")
     if isinstance(subject, Conditions):
         parts = _of_conditions(subject)
     elif isinstance(subject, Family):
         _graph_of(subject.system)
-        found = conditions(subject, positive=positive, **parameters)
-        parts = [*_of_family(subject), *_of_conditions(found)]
+        derived = conditions(subject, positive=positive, **parameters)
+        parts = [*_of_family(subject), *_of_conditions(derived)]
     elif isinstance(subject, Equations):
         parts = _of_system(_graph_of(subject))
     else:
@@ -107,319 +116,490 @@ def _graph_of(system: Equations) -> Equations:
     return system
 
 
+# --- equations of motion ---
+
+
+class Modulus(sympy.Function):  # type: ignore[misc]
+    """The absolute value of a real number; its slope is the sign."""
+
+    def fdiff(self, argindex: int = 1) -> Expr:
+        """The slope."""
+        assert argindex == 1
+        return Sign(self.args[0])
+
+
+class Sign(sympy.Function):  # type: ignore[misc]
+    """The sign of a real number; its slope is zero."""
+
+    def fdiff(self, argindex: int = 1) -> Expr:
+        """The slope."""
+        assert argindex == 1
+        return sympy.Integer(0)
+
+
+_SYMPY = sympy_algebra()
+ALGEBRA = Algebra("latex", _SYMPY.constant, _SYMPY.functions | {"fabs": Modulus, "sign": Sign})
+"""The number type for `Program.run`."""
+
+
+@dataclass(frozen=True)
+class _Motion:
+    """Equations of motion: rates, and residuals M u - f, as expressions in named symbols."""
+
+    system: Equations
+    names: Mapping[str, str]
+    """LaTeX of states, parameters and more variables by name."""
+    rates: Mapping[str, Expr]
+    """Rates by state, of those that no residual gives."""
+    unknowns: Mapping[Expr, str]
+    """LaTeX of the unknowns u: rates of states, and forces."""
+    mass: Sequence[Sequence[Expr]] = ()
+    forcing: Sequence[Expr] = ()
+
+    @classmethod
+    def of(cls, system: Equations, more: Iterable[str] = ()) -> _Motion:
+        names = symbols((*system.states, *system.parameters, *more))
+        inputs = [[_symbol(n) for n in group] for group in (system.states, system.parameters)]
+        solved = solved_rates(system) if system.mass is not None else {}
+        free = [i for i in range(len(system.states)) if i not in solved]
+        sides = [
+            ca.densify(s) for s in (system.rhs[free], system.mass, system.forcing) if s is not None
+        ]
+        graph = ca.Function("sides", [system.x, system.p], sides)
+        own, *rest = [
+            [sympy.sympify(v) for v in side] for side in Program(graph).run(ALGEBRA, inputs)
+        ]
+        sizes: dict[Expr, int] = {}
+        if (signs := sum(_size(e, sizes) for e in chain(own, *rest))) > LARGEST:
+            raise ParameterError(
+                f"{system.name} has equations of {signs:.1g} symbols and signs, too many to print; "
+                "stability.export.c_code writes them as code."
+            )
+        if any(e.has(sympy.zoo, sympy.nan) for e in chain(own, *rest)):
+            raise ParameterError(
+                f"{system.name} has a number that is not finite, such as 1/0; give finite ones."
+            )
+        table = {system.states[i]: rate for i, rate in zip(free, own, strict=True)}
+        for state, rate in table.items():  # q_rate, if it is the rate of q, reads as a velocity
+            if str(rate) == f"{state}_rate" in system.states:
+                names[f"{state}_rate"] = dotted(names[state])
+        if not rest:
+            return cls(system, names, table, {})
+        matrix, forcing = rest
+        size = len(system.unknowns)
+        unknowns = {}
+        for name in system.unknowns:
+            state = name.removeprefix("d_")
+            observed = symbols([state])[state] if state in system.observables else ""
+            rate = name.startswith("d_") and (names.get(state) or observed)
+            unknowns[_symbol(name)] = dotted(rate) if rate else symbols([name])[name]
+        rows = [matrix[i::size] for i in range(size)]
+        return cls(system, names, table, unknowns, rows, forcing)
+
+    @property
+    def latex(self) -> dict[Expr, str]:
+        """LaTeX by symbol."""
+        return {_symbol(n): text for n, text in self.names.items()} | dict(self.unknowns)
+
+    def equations(self, sheet: Sheet) -> list[list[str]]:
+        """Each equation as its terms; a rate that is called the rate says nothing."""
+        rates = {s: (dotted(self.names[s]), rate) for s, rate in self.rates.items()}
+        rows = [
+            [left, *sheet.equal(rate)]
+            for left, rate in rates.values()
+            if bare(sheet.text(rate)) != bare(left)
+        ]
+        for row, forcing in zip(self.mass, self.forcing, strict=True):
+            left = [(c, text) for c, text in zip(row, self.unknowns.values(), strict=True)]
+            rows.append([*sheet.linear(left), *sheet.equal(forcing)])
+        return rows
+
+    def linearised(self, sheet: Sheet, values: Mapping[Expr, Expr]) -> list[list[str]]:
+        """The equations in deviations, each as its terms, about a motion with some values."""
+        deviations = [(_symbol(s), rf"\delta {self.names[s]}") for s in self.system.states]
+
+        def slopes(side: Expr) -> list[str]:
+            right = [(sympy.diff(side, x).subs(values), d) for x, d in deviations]
+            return _related(sheet.linear(right))
+
+        rows = [
+            [rf"\delta {dotted(self.names[s])}", *slopes(rate)]
+            for s, rate in self.rates.items()
+            if bare(written(rate, self.latex)) != bare(dotted(self.names[s]))
+        ]
+        for row, forcing in zip(self.mass, self.forcing, strict=True):
+            pairs = list(zip(row, self.unknowns.items(), strict=True))
+            left = [(c.subs(values), rf"\delta {text}") for c, (_, text) in pairs]
+            rows.append([*sheet.linear(left), *slopes(forcing - sum(c * u for c, (u, _) in pairs))])
+        return rows
+
+    def steady(self, family: Family) -> tuple[dict[Expr, Expr], list[Expr]]:
+        """Values of states and unknowns in a steady motion, and which unknowns are forces."""
+        values: dict[Expr, Expr] = {
+            _symbol(n): sympy.pi / 2 if isinstance(v, Upright) else sympy.Rational(float(v))
+            for n, v in family.held.items()
+        }
+        still = [_symbol(f"d_{s}") for s in self.system.states if s not in family.left_out]
+        values |= {u: sympy.Integer(0) for u in still if u in self.unknowns}
+        residuals = [
+            (sum(c * u for c, u in zip(row, self.unknowns, strict=True)) - f).subs(values)
+            for row, f in zip(self.mass, self.forcing, strict=True)
+        ]
+        forces: list[Expr] = []
+        for _ in residuals:  # a row with one force gives it
+            for residual in residuals:
+                left = [u for u in self.unknowns if residual.subs(values).has(u)]
+                if len(left) == 1:
+                    [force] = left
+                    slope = sympy.diff(residual, force)
+                    rest = residual.subs(force, 0)
+                    values[force] = shortest(-(rest / slope).subs(values), self.latex)
+                    forces.append(force)
+        return values, forces
+
+
+def _symbol(name: str) -> Expr:
+    return sympy.Symbol(name)
+
+
+def _size(expression: Expr, known: dict[Expr, int]) -> int:
+    """How many symbols and signs it takes to write an expression."""
+    if expression not in known:
+        known[expression] = 1 + sum(_size(part, known) for part in expression.args)
+    return known[expression]
+
+
+def bare(latex: str) -> str:
+    r"""LaTeX without braces and spaces: \dot\theta is \dot{\theta}."""
+    return re.sub(r"[{} ]", "", latex)
+
+
 def _of_system(system: Equations) -> list[str]:
-    """Rates and Jacobian of a system."""
-    names = symbols((*system.states, *system.parameters))
-    both = ca.cse([ca.densify(system.rhs), ca.jacobian(system.rhs, system.x)])
-    graph = ca.Function("system", [system.x, system.p], both)
-    rates, slopes, sheet, places = _read(graph, [system.states, system.parameters], names)
-    title = rf"\section*{{Equations of motion: {escaped(system.name)}}}"
-    left = [_rate(names[n]) for n in system.states]
+    """Equations of motion, and these linearised about any motion."""
+    motion = _Motion.of(system)
+    sheet = Sheet(motion.latex)
     return [
-        title,
-        *_lines(sheet.lines, list(zip(left, rates, strict=True))),
-        r"\section*{Jacobian}",
-        *_lines([], _entries(slopes, places, system.states, names)),
+        rf"\section*{{Equations of motion: {escaped(system.name)}}}",
+        *sheet.display(motion.equations(sheet)),
+        r"\section*{Linearised equations}",
+        *sheet.display(motion.linearised(sheet, {})),
     ]
 
 
 def _of_family(family: Family) -> list[str]:
-    """Equations of motion, the steady motion, and the Jacobian at it."""
-    system = family.system
-    others = family.parameters
-    names = symbols((*system.states, *system.parameters, *family.at, *others))
-    state = [rf"{names[n]} = {_held(v)}" for n, v in family.held.items()]
-    state += [rf"{names[n]}\text{{ solved for}}" for n in family.unknown]
-    left_out = [rf"{names[n]}\text{{ of any value}}" for n in family.left_out]
-    at = ", ".join(names[n] for n in family.at)
-    text = rf"\section*{{Steady motions: {escaped(family.name)}}}"
-    given = r",\quad ".join([*state, *left_out])
-    said = [rf"\[ {given},\quad \text{{named by }} {at} \]"] if given else []
-    program = family.graph.matrix
-    inputs = [
-        [Node("symbol", text=names[n]) for n in group]
-        for group in (family.at, family.unknown, others)
+    """Equations of motion, the steady motions, and the equations linearised about them."""
+    motion = _Motion.of(family.system, (*family.at, *family.parameters))
+    names, sheet = motion.names, Sheet(motion.latex)
+    values, forces = motion.steady(family)
+    said = [rf"{names[n]} = {sheet.text(values[_symbol(n)])}" for n in family.held]
+    said += [rf"{names[n]}\text{{ solved for}}" for n in family.unknown]
+    said += [rf"{names[n]}\text{{ of any value}}" for n in family.left_out]
+    said = [
+        *(rf"{one},\;" for one in said),
+        rf"\text{{named by }}{', '.join(names[n] for n in family.at)}",
     ]
-    values = program.run(algebra(), inputs)[0]
-    sheet = Sheet("v")
-    slopes = sheet.typeset(values)
-    entries = _entries(slopes, program.places[0], system.states, names)
     return [
-        *_of_system(system),
-        text,
-        *said,
-        r"\section*{Jacobian at the steady motions}",
-        *_lines(sheet.lines, entries),
+        rf"\section*{{Equations of motion: {escaped(family.system.name)}}}",
+        *sheet.display(motion.equations(sheet)),
+        rf"\section*{{Steady motions: {escaped(family.name)}}}",
+        *sheet.display([said]),
+        *sheet.display([[sheet.text(n), *sheet.equal(values[n])] for n in forces]),
+        r"\section*{Linearised equations}",
+        *sheet.display(motion.linearised(sheet, values)),
     ]
-
-
-def _rate(symbol: str) -> str:
-    """The rate of a state."""
-    return symbol.replace(r"\dot", r"\ddot", 1) if symbol[:4] == r"\dot" else rf"\dot{{{symbol}}}"
-
-
-def _held(value: float | Upright) -> str:
-    return r"\tfrac{\pi}{2}" if isinstance(value, Upright) else number(float(value))
-
-
-def _read(
-    graph: ca.Function, groups: Sequence[Sequence[str]], names: Mapping[str, str]
-) -> tuple[list[str], list[str], Sheet, Sequence[tuple[int, int]]]:
-    """Rates and slopes of a graph as expressions, which share their names."""
-    program = Program(graph)
-    inputs = [[Node("symbol", text=names[n]) for n in group] for group in groups]
-    rates, slopes = program.run(algebra(), inputs)
-    sheet = Sheet("w")
-    every = sheet.typeset([*rates, *slopes])
-    return every[: len(rates)], every[len(rates) :], sheet, program.places[1]
-
-
-def _entries(
-    slopes: Sequence[str],
-    places: Sequence[tuple[int, int]],
-    states: Sequence[str],
-    names: Mapping[str, str],
-) -> list[tuple[str, str]]:
-    """Entries of a Jacobian that are not zero."""
-    return [
-        (rf"\frac{{\partial {_rate(names[states[i]])}}}{{\partial {names[states[j]]}}}", text)
-        for (i, j), text in zip(places, slopes, strict=True)
-        if text != "0"
-    ]
-
-
-def _lines(named: Sequence[tuple[str, str]], rows: Sequence[tuple[str, str]]) -> list[str]:
-    """An aligned display: names first, then the rows."""
-    return _display([f"{left} &= {right}" for left, right in (*named, *rows)])
-
-
-def _display(rows: Sequence[str]) -> list[str]:
-    return [r"\begin{align*}", " \\\\\n".join(rows), r"\end{align*}"] if rows else []
 
 
 # --- polynomials and conditions ---
 
 
-def _of_conditions(found: Conditions) -> list[str]:
+def _of_conditions(derived: Conditions) -> list[str]:
     """The characteristic polynomial by its factors, and the sign conditions."""
-    every = [v.name for v in found.variables]
-    names = symbols(
-        (*every, *(v for c in found.conditions for v in c.polynomial.variables), "lambda")
-    )
+    every = [v.name for v in derived.variables]
+    every += [v for c in derived.conditions for v in c.polynomial.variables]
+    names = symbols((*every, "lambda"))
+    sheet = Sheet({_symbol(n): text for n, text in names.items()})
     lam = names["lambda"]
-    out = [r"\section*{Characteristic polynomial}"]
-    powers = [_power(lam, found.zeros)] if found.zeros else []
-    for i, factor in enumerate(found.factors, start=1):
-        power = f"^{{{factor.multiplicity}}}" if factor.multiplicity > 1 else ""
-        powers.append(rf"p_{{{i}}}({lam}){power}")
-    out.append(rf"\[ {' '.join(powers)} = 0 \]")
-    for i, factor in enumerate(found.factors, start=1):
-        terms = [(n, c) for n, c in enumerate(factor.coefficients) if c.terms]
-        rows = [(rf"p_{{{i},{n}}}", polynomial(c, names)) for n, c in terms]
-        whole = "+".join(rf"p_{{{i},{n}}}{_power(lam, n)}" for n, _ in reversed(terms))
-        out += _lines([(rf"p_{{{i}}}({lam})", whole)], rows)
-    if found.relations:
-        vanishing = [f"&{polynomial(p, names)} = 0" for _, p in found.relations]
-        out += ["with", *_display(vanishing)]
+
+    def power(n: int) -> str:
+        return "" if n == 0 else lam if n == 1 else f"{lam}^{{{n}}}"
+
+    factors, rows = [power(derived.zeros)] * (derived.zeros > 0), []
+    for i, factor in enumerate(derived.factors, start=1):
+        many = f"^{{{factor.multiplicity}}}" if factor.multiplicity > 1 else ""
+        factors.append(rf"p_{{{i}}}({lam}){many}")
+        whole, named = [], []
+        scale = _scale(factor.coefficients)
+        for n in reversed(range(len(factor.coefficients))):
+            value = shortest(_expression(factor.coefficients[n], scale), sheet.names)
+            if value.is_Add and width(sheet.text(value)) > ROOM - 4:
+                name = rf"p_{{{i},{n}}}"
+                named.append([name, *sheet.equal(value)])
+                whole.append(f"+ {name} {power(n)}")
+            else:
+                whole += sheet.terms(value, power(n))
+        rows += [[rf"p_{{{i}}}({lam})", *_related(whole)], *named]
+    out = [r"\section*{Characteristic polynomial}", rf"\[ {' '.join(factors)} = 0 \]"]
+    out += sheet.display(rows)
+    zeros = [sheet.sum(_expression(p)) for _, p in derived.relations]
+    if zeros := [zero for zero in zeros if zero != ["0"]]:  # sin² + cos² = 1 goes without saying
+        out += ["with", *sheet.display([*zero, f"{last} = 0"] for *zero, last in zeros)]
     out.append(r"\section*{Conditions of stability}")
-    if found.branch:
-        out.append(rf"\noindent On {escaped(found.branch)}:")
-    for one in found.conditions:
-        out.append(rf"\noindent {escaped(one.name)} of $p_{{{one.factor + 1}}}$: {one.status}")
+    asked = [c for c in derived.conditions if any(any(e) for _, e in c.polynomial.terms)]
+    if derived.branch and asked:
+        out.append(rf"\noindent On {escaped(derived.branch)}:")
+    for one in asked:
+        status = one.status + " sign" * (one.status == "changes")
+        out.append(rf"\noindent {escaped(one.name)} of $p_{{{one.factor + 1}}}$: {status}")
         sign = {"negative": "<", "zero": "="}.get(one.status, ">")
-        out += _display([f"&{polynomial(one.polynomial, names)} {sign} 0"])
-    return out
+        side = shortest(_expression(one.polynomial, _scale([one.polynomial])), sheet.names)
+        *terms, last = sheet.sum(side)
+        out += sheet.display([[*terms, f"{last} {sign} 0"]])
+    return out if asked else [*out, rf"\noindent {escaped(derived.rule)}"]
 
 
-def _power(symbol: str, n: int) -> str:
-    return "" if n == 0 else rf"\,{symbol}" if n == 1 else rf"\,{symbol}^{{{n}}}"
+def _scale(polynomials: Sequence[Polynomial]) -> int:
+    """A power of ten that makes long coefficients short; 1 where they are."""
+    sizes = [abs(c) for p in polynomials for c, _ in p.terms]
+    return 10 ** (len(str(min(sizes))) - 1) if max(sizes) > LONGEST else 1
 
 
-def polynomial(p: Polynomial, names: Mapping[str, str]) -> str:
-    r"""A polynomial in LaTeX, its highest terms first, broken into lines of an `align*`.
-
-    Examples
-    --------
-    >>> p = Polynomial(("k", "z"), ((2, (1, 1)), (-1, (0, 0))))
-    >>> print(polynomial(p, {"k": "k", "z": "z"}))
-    2\,k\,z - 1
-    """
-    terms = sorted(p.terms, key=lambda t: (-sum(t[1]), t[1]))
-    rows = polynomial_rows(
-        [("-" if c < 0 else "+", str(abs(c)), e) for c, e in terms], p.variables, names
+def _expression(p: Polynomial, scale: int = 1) -> Expr:
+    """A polynomial in the symbols of its variables; sin(theta) is a sine."""
+    values = []
+    for name in p.variables:
+        match = re.fullmatch(r"(sin|cos|sqrt)\((\w+)\)", name)
+        values.append(getattr(sympy, match[1])(_symbol(match[2])) if match else _symbol(name))
+    return sympy.Add(
+        *(
+            sympy.Rational(int(c), scale)
+            * sympy.prod(v**e for v, e in zip(values, exponents, strict=True))
+            for c, exponents in p.terms
+        )
     )
-    return " \\\\\n&\\quad{}".join(rows)
 
 
-# --- graphs as formulas ---
+# --- expressions in lines of a column ---
 
 
-LONG_SHARED, LONG = 24, 100
-"""Characters of LaTeX above which an expression that is used again, or any, gets a name."""
-SUM, PRODUCT, POWER, ATOM = range(4)
-"""How tightly an expression binds."""
-ARC = {"asin": "arcsin", "acos": "arccos", "atan": "arctan"}
-"""Names of inverse functions in LaTeX."""
+MOST = 400
+"""Terms above which a sum of products is not multiplied out."""
+LONG = 4.0
+"""Width of a divisor or root that gets a name [em]."""
+LARGEST = 20_000
+"""Symbols and signs above which equations are not printed."""
+LONGEST = 10**12
+"""Largest whole number that is written with all digits."""
 
 
-@dataclass(eq=False)
-class Node:
-    """An operation on other nodes; `+ - * /` build the next one."""
+class _Printer(LatexPrinter):  # type: ignore[misc]
+    """SymPy's printer, with numbers as Python writes them."""
 
-    kind: str
-    """add, sub, mul, div, neg, pow, call, number or symbol."""
-    parts: tuple[Node, ...] = ()
-    """What it works on."""
-    text: str = ""
-    """Symbol, function, or number."""
-    uses: int = field(default=0)
-    """How often the result is read."""
+    def _print_Float(self, value: Expr) -> str:
+        return scientific(repr(float(value)).removesuffix(".0"))
 
-    def __add__(self, other: Any) -> Node:
-        return Node("add", (self, node(other)))
+    def _print_Sign(self, value: Expr) -> str:
+        given = ", ".join(map(self._print, value.args))
+        return rf"\operatorname{{{type(value).__name__.lower()}}}\left({given}\right)"
 
-    def __sub__(self, other: Any) -> Node:
-        return Node("sub", (self, node(other)))
+    _print_atan2 = _print_Sign
 
-    def __mul__(self, other: Any) -> Node:
-        return Node("mul", (self, node(other)))
-
-    def __truediv__(self, other: Any) -> Node:
-        return Node("div", (self, node(other)))
-
-    def __rtruediv__(self, other: Any) -> Node:
-        return node(other) / self
-
-    def __neg__(self) -> Node:
-        return Node("neg", (self,))
+    def _print_Modulus(self, value: Expr, exp: str = "") -> str:
+        power = f"^{{{exp}}}" if exp else ""
+        return rf"\left|{{{self._print(value.args[0])}}}\right|{power}"
 
 
-def node(value: Any) -> Node:
-    """A number as a node; a node as it is."""
-    return value if isinstance(value, Node) else Node("number", text=number(float(value)))
+def _decimal(value: Expr) -> Expr:
+    """A number that is no short fraction as the nearest double."""
+    return sympy.Float(float(value), 17) if value.q > 1000 or abs(value.p) > LONGEST else value
 
 
-def number(value: float) -> str:
-    r"""A double in LaTeX, with the digits that give it back.
+def written(expression: Expr, names: Mapping[Expr, str]) -> str:
+    r"""An expression in LaTeX.
 
     Examples
     --------
-    >>> number(2.0), number(0.25), number(1e-9)
-    ('2', '0.25', '1\\cdot10^{-9}')
+    >>> x = sympy.Symbol("x")
+    >>> print(written(sympy.sin(x) ** 2 / 3 + 1.3 * x, {x: r"\xi"}))
+    1.3 \, \xi + \frac{\sin^{2} {\xi}}{3}
     """
-    return scientific(repr(value).removesuffix(".0"))
+    expression = expression.replace(lambda e: e.is_Rational, _decimal)
+    settings = {
+        "symbol_names": dict(names),
+        "fold_func_brackets": True,
+        "mul_symbol": r" \, ",
+        "inv_trig_style": "full",
+    }
+    return str(_Printer(settings).doprint(expression))
 
 
-def algebra() -> Algebra:
-    """The number type for `Program.run`.
+def terms_of(expression: Expr, known: dict[Expr, int] | None = None) -> int:
+    """The number of terms after multiplying out, or more.
 
     Examples
     --------
-    >>> algebra().constant(0.5).text
-    '0.5'
+    >>> x, y = sympy.symbols("x y")
+    >>> terms_of((x + y) ** 3 * (1 + x))
+    16
     """
-    table: dict[str, Any] = {name: _call(name) for name in (*UNARY, *MORE)}
-    table |= {name: _call(name) for name in ("fabs", "sign", "atan2", "hypot")}
-    table["pow"] = lambda base, exponent: Node("pow", (node(base), node(exponent)))
-    return Algebra("latex", node, table)
+    known = {} if known is None else known
+    if expression not in known:
+        counts = [terms_of(part, known) for part in expression.args]
+        if expression.is_Add:
+            known[expression] = sum(counts)
+        elif expression.is_Mul:
+            known[expression] = min(prod(counts), 10**9)
+        elif expression.is_Pow and expression.exp.is_Integer and expression.exp > 0:
+            known[expression] = min(counts[0] ** min(int(expression.exp), 30), 10**9)
+        else:
+            known[expression] = 1
+    return known[expression]
 
 
-def _call(name: str) -> Any:
-    return lambda *given: Node("call", tuple(node(g) for g in given), name)
+def multiplied_out(expression: Expr) -> Expr:
+    """A sum of products, where these are not too many."""
+    if terms_of(expression) > MOST:
+        return expression
+    return sympy.expand(expression, power_exp=False, power_base=False, log=False)
+
+
+def shortest(expression: Expr, names: Mapping[Expr, str]) -> Expr:
+    """The shortest of a few forms of an expression: as it is, multiplied out, sin² for cos²."""
+    if terms_of(expression) > MOST:
+        return expression
+    forms = [expression, sums := multiplied_out(expression)]
+    for one, other in ((sympy.sin, sympy.cos), (sympy.cos, sympy.sin)):
+
+        def by_other(power: Expr, other: Callable[..., Expr] = other) -> Expr:
+            whole, odd = divmod(int(power.exp), 2)
+            return (1 - other(*power.base.args) ** 2) ** whole * power.base**odd
+
+        forms.append(
+            multiplied_out(
+                sums.replace(
+                    lambda e, one=one: (
+                        e.is_Pow and e.base.func is one and e.exp.is_Integer and e.exp > 1
+                    ),
+                    by_other,
+                )
+            )
+        )
+    forms += [sympy.factor_terms(form) for form in forms]
+    return min(dict.fromkeys(forms), key=lambda form: width(written(form, names)))
+
+
+def _related(terms: Sequence[str]) -> list[str]:
+    """Terms on the right of a sign of equality; none are zero."""
+    first, *rest = terms or ["+ 0"]
+    return [f"= {first.removeprefix('+ ')}", *rest]
 
 
 @dataclass
 class Sheet:
-    r"""Lines of a set of formulas, with names for long expressions.
+    r"""Equations in lines of a column, with names for long divisors and roots.
 
     Examples
     --------
-    >>> x = Node("symbol", text="x")
-    >>> Sheet("w").typeset([x * x + x / 2])
-    ['x^{2}+\\frac{x}{2}']
+    >>> x, y = sympy.symbols("x y")
+    >>> sheet = Sheet({})
+    >>> sheet.equal(x / (1 + x + x * y + y) ** 2)
+    ['= \\frac{x}{D_{1}^{2}}']
+    >>> print(*sheet.display([["y", "= 2"]]), sep="\n")
+    \begin{align*}
+    &D_{1} = x \, y + x + y + 1 \\
+    &y = 2
+    \end{align*}
     """
 
-    letter: str
-    """Letter of the names."""
-    lines: list[tuple[str, str]] = field(default_factory=list)
-    """(name, expression) of what got a name, in order."""
-    _done: dict[int, tuple[str, int]] = field(default_factory=dict)
+    names: dict[Expr, str]
+    """LaTeX by symbol."""
+    _named: dict[tuple[str, Expr], Expr] = field(default_factory=dict)
+    _lines: list[list[str]] = field(default_factory=list)
 
-    def typeset(self, values: Sequence[Any]) -> list[str]:
-        """Expressions of values, after those lines that they need."""
-        nodes = [node(v) for v in values]
-        order = _ordered(nodes)
-        for one in order:
-            for part in one.parts:
-                part.uses += 1
-        top = {id(n) for n in nodes}
-        for one in order:
-            text, rank = self._written(one)
-            shared = one.uses > 1 and len(text) > LONG_SHARED
-            if one.kind not in ("symbol", "number") and (
-                shared or (len(text) > LONG and id(one) not in top)
-            ):
-                name = f"{self.letter}_{{{len(self.lines) + 1}}}"
-                self.lines.append((name, text))
-                text, rank = name, ATOM
-            self._done[id(one)] = text, rank
-        return [self._done[id(n)][0] for n in nodes]
+    def text(self, expression: Expr) -> str:
+        """An expression in LaTeX."""
+        return written(expression, self.names)
 
-    def _part(self, one: Node, least: int) -> str:
-        """A part, in brackets where it binds less than it must."""
-        text, rank = self._done[id(one)]
-        return text if rank >= least else rf"\left({text}\right)"
+    def _short(self, expression: Expr) -> Expr:
+        """The shortest form, with names for long divisors and roots."""
 
-    def _written(self, one: Node) -> tuple[str, int]:
-        if one.kind in ("symbol", "number"):
-            negative = one.text.startswith("-") or r"\cdot" in one.text
-            return one.text, SUM if negative else ATOM
-        if one.kind == "call":
-            return self._called(one)
-        a, b = one.parts[0], one.parts[-1]
-        if one.kind == "add" and a is b:
-            return rf"2\,{self._part(a, PRODUCT)}", PRODUCT
-        if one.kind == "add" and b.kind == "number" and b.text.startswith("-"):
-            return f"{self._part(a, SUM)}{b.text}", SUM
-        if one.kind == "add":
-            return f"{self._part(a, SUM)}+{self._part(b, PRODUCT)}", SUM
-        if one.kind == "sub":
-            return f"{self._part(a, SUM)}-{self._part(b, PRODUCT)}", SUM
-        if one.kind == "neg":
-            return f"-{self._part(a, PRODUCT)}", SUM
-        if one.kind == "div":
-            return rf"\frac{{{self._part(a, SUM)}}}{{{self._part(b, SUM)}}}", PRODUCT
-        if one.kind == "pow" or (one.kind == "mul" and a is b):
-            exponent = self._part(b, SUM) if one.kind == "pow" else "2"
-            base = self._part(a, ATOM)
-            return f"{{{base}}}^{{{exponent}}}" if "^" in base else f"{base}^{{{exponent}}}", POWER
-        left, right = self._part(a, PRODUCT), self._part(b, PRODUCT)
-        apart = r"\cdot " if right[0].isdigit() else r"\,"
-        return f"{left}{apart}{right}", PRODUCT
+        def divides(e: Expr) -> bool:
+            named = e.is_Pow and e.base.is_Add and e.exp.is_Rational
+            return bool(named and (e.exp < 0 or e.exp.q == 2))
 
-    def _called(self, one: Node) -> tuple[str, int]:
-        given = ",".join(self._part(part, SUM) for part in one.parts)
-        if one.text == "sqrt":
-            return rf"\sqrt{{{given}}}", ATOM
-        if one.text == "fabs":
-            return rf"\left|{given}\right|", ATOM
-        name = ARC.get(one.text, one.text)
-        known = one.text in (*FUNCTIONS, *ARC)
-        head = f"\\{name}" if known else rf"\operatorname{{{name}}}"
-        return rf"{head}\left({given}\right)", ATOM
+        return shortest(expression.replace(divides, self._name), self.names)
 
+    def _name(self, power: Expr) -> Expr:
+        """A divisor or root by its name, if it is long."""
+        base, exponent = power.args
+        root = exponent.q == 2
+        whole = shortest(base, self.names)
+        value = sympy.sqrt(whole) if root else whole
+        if width(self.text(value)) < LONG and exponent > -2:
+            return whole**exponent
+        key = ("R" if root else "D", value)
+        if key not in self._named:
+            free = (f"{key[0]}_{{{n}}}" for n in count(1))
+            name = next(n for n in free if n not in self.names.values())
+            symbol = sympy.Symbol(name, positive=root or None)
+            self.names[symbol] = name
+            self._named[key] = symbol
+            self._lines.append([name, *_related(self._split(value))])
+        return self._named[key] ** (2 * exponent if root else exponent)
 
-def _ordered(nodes: Iterable[Node]) -> list[Node]:
-    """Every node below these, parts first, without recursion."""
-    seen: set[int] = set()
-    order: list[Node] = []
-    stack = [(n, False) for n in reversed(list(nodes))]
-    while stack:
-        one, ready = stack.pop()
-        if ready:
-            order.append(one)
-        elif id(one) not in seen:
-            seen.add(id(one))
-            stack.append((one, True))
-            stack += [(p, False) for p in reversed(one.parts)]
-    return order
+    def _split(self, value: Expr, factor: str = "") -> list[str]:
+        """Terms with their signs, each times a factor."""
+        terms = []
+        for term in value.as_ordered_terms():
+            text = self.text(term)
+            sign, size = ("-", text[1:].lstrip()) if text[0] == "-" else ("+", text)
+            if factor:
+                size = factor if size == "1" else rf"{size} \, {factor}"
+            terms.append(f"{sign} {size}")
+        return terms
+
+    def terms(self, expression: Expr, factor: str = "") -> list[str]:
+        """Terms of an expression times a factor, in short; none of zero."""
+        value = self._short(expression)
+        if value == 0:
+            return []
+        if not (factor and value.is_Add):
+            terms = self._split(value, factor)
+            if max(map(width, terms)) < ROOM:
+                return terms
+            value = multiplied_out(value)
+            if not (factor and value.is_Add):
+                return self._split(value, factor)
+        whole = rf"\left({self.text(value)}\right) \, {factor}"
+        if width(whole) < ROOM:
+            return [f"+ {whole}"]
+        first, *rest = self.sum(value)
+        *terms, last = [rf"+ \bigl({first}", *rest]
+        return [*terms, rf"{last}\bigr) \, {factor}"]
+
+    def sum(self, expression: Expr) -> list[str]:
+        """Terms of an expression at the start of a line."""
+        first, *rest = self.terms(expression) or ["+ 0"]
+        return [first.removeprefix("+ "), *rest]
+
+    def equal(self, expression: Expr) -> list[str]:
+        """Terms of an expression on the right of an equation."""
+        return _related(self.terms(expression))
+
+    def linear(self, pairs: Iterable[tuple[Expr, str]]) -> list[str]:
+        """Terms of a sum of coefficients times symbols."""
+        return [term for value, symbol in pairs for term in self.terms(value, symbol)]
+
+    def display(self, equations: Iterable[Sequence[str]]) -> list[str]:
+        """Equations by their terms, in lines of an aligned display, after new names."""
+        lines = []
+        for first, *rest in [*self._lines, *equations]:
+            line = "&" + first.removeprefix("+ ")
+            for term in rest:
+                if width(line) + width(term) > ROOM:
+                    lines.append(line)
+                    line = rf"&\quad{{}}{term}"
+                else:
+                    line += f" {term}"
+            lines.append(line)
+        self._lines.clear()
+        return [r"\begin{align*}", " \\\\\n".join(lines), r"\end{align*}"] if lines else []

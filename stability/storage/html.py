@@ -42,6 +42,17 @@ def head(title: str, style: str, heading: str = "") -> list[str]:
     ]
 
 
+def unbroken(text: str) -> str:
+    """Text for a page, in which no line ends within an equation or a fraction.
+
+    Examples
+    --------
+    >>> unbroken("k = 1/2").count("\u00a0")
+    2
+    """
+    return html.escape(text).replace(" = ", "\u00a0=\u00a0").replace("/√", "/\u2060√")
+
+
 def figure(
     stem: str, caption: str, alternative: str, files: Mapping[str, str], exact: str = ""
 ) -> str:
@@ -50,6 +61,6 @@ def figure(
     more = f"<details><summary>exactly</summary>{html.escape(exact)}</details>" if exact else ""
     return (
         f'<figure><img src="{stem}.png" alt="{html.escape(alternative)}" loading="lazy">'
-        f'<figcaption>{html.escape(caption)} <span class="files">{links}</span>{more}</figcaption>'
+        f'<figcaption>{unbroken(caption)} <span class="files">{links}</span>{more}</figcaption>'
         "</figure>"
     )

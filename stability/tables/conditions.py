@@ -286,7 +286,7 @@ def formula_latex(formulas: Sequence[Formulas]) -> str:
         "% stability table conditions: recomputed from the equations of motion",
         NEEDS,
         r"\begingroup\raggedright\setlength{\parindent}{0pt}",
-        r"\begin{tabular}{@{}ll@{}}",
+        r"\begin{tabular}{@{}l>{\raggedright\arraybackslash}p{0.7\linewidth}@{}}",
         r"\toprule",
         r"symbol & meaning \\",
         r"\midrule",

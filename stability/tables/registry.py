@@ -155,7 +155,7 @@ def table(
     >>> [(row["family"], row["kind"]) for row in hopf]
     [('spinning', 'elliptic'), ('tumbling', 'hyperbolic')]
     >>> print(st.table("drift", k=0.25, mu=1, tilt=0.01).to_latex().splitlines()[-1])
-    \par\endgroup
+    \end{table*}
     """
     arguments = {
         "k": k,

@@ -50,7 +50,7 @@ def spectrum_table(spectrum: Any, subject: str) -> Table:
         Column("real", "real part of an eigenvalue", rate, r"\operatorname{Re}\lambda", "{:.9g}"),
         Column("imaginary", "imaginary part", rate, r"\operatorname{Im}\lambda", "{:.9g}"),
         Column("error", "bound on the error before rounding to these digits", rate, form="{:.0e}"),
-        word("mode", "what the mode does, and in which states"),
+        word("mode", "what the mode does, and in which states", share=0.36),
     )
     rows = [
         {"real": v.real + 0.0, "imaginary": v.imag + 0.0, "error": float(r), "mode": label}

@@ -225,7 +225,7 @@ def latex(conditions: Conditions) -> str:
         r"\begingroup\raggedright",
         rf"\paragraph{{{escaped(family.system.name)}, {escaped(family.name)}}}\mbox{{}}\par",
         r"\noindent",
-        r"\begin{tabular}{@{}lp{0.75\linewidth}@{}}",
+        r"\begin{tabular}{@{}lp{0.7\linewidth}@{}}",
         r"  \toprule",
         r"  symbol & meaning \\",
         r"  \midrule",

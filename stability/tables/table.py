@@ -16,7 +16,7 @@ from typing import Any
 from ..base.printing import html_table
 from ..base.quantities import Kind, Quantity, readable
 from ..base.types import Overwrite, Record, Sentences
-from ..derivation.latex import escaped
+from ..derivation.latex import escaped, width
 from ..storage.files import write_file
 from ..storage.targets import check_suffix, check_target
 from ..storage.text import csv_text, json_text
@@ -237,92 +237,76 @@ def _plain(value: Any) -> Any:
 # --- as LaTeX ---
 
 
-NEEDS = "% needs amsmath, array, booktabs and longtable; run LaTeX twice"
+NEEDS = "% needs amsmath, array, booktabs and longtable, in a page of one column; run LaTeX twice"
 """Comment at the start of a table."""
 SHORT = 60
 """Most characters of a heading of rows in one line."""
 
 
 def latex(table: Table) -> str:
-    """A table as LaTeX: a longtable as wide as the line, then its symbols and notes."""
-    rows = [line for block in _blocks(table) for line in block]
+    """A table as LaTeX, then its symbols and notes: a float as wide as it needs, or a longtable."""
+    blocks = _blocks(table)
     cells = [c for c in table.columns if c.place == "cell"]
     notes = [line for line in table.notes if line != units_note(table)]  # the header has the units
-    body = _longtable(
-        table.heading,
-        [_spec(c, table) for c in cells],
-        [_head(c) for c in cells],
-        rows,
-        [_unit(c, table) for c in cells],
-        label=table.name,
-    )
-    return "\n".join([start(table.name), *body, *symbols(table), *_paragraphs(notes), END])
-
-
-END = r"\par\endgroup"
-"""Last line of a table."""
-
-
-def start(name: str) -> str:
-    """First lines of a table: where it is from, and its size of letters."""
+    heading = table.heading[:1].upper() + table.heading[1:]
+    caption = rf"\caption{{{prose(heading)}.}}\label{{tab:{table.name}}}"
+    titles = [" & ".join(_head(c) for c in cells) + r" \\"]
+    units = [_unit(c, table) for c in cells]
+    titles += [" & ".join(units) + r" \\"] if any(units) else []
+    titles = [r"\toprule", *titles, r"\midrule"]
+    specs = rf"{{@{{\extracolsep{{\fill}}}}{''.join(_spec(c, table) for c in cells)}@{{}}}}"
+    rows = [line for block in blocks for line in block]
+    said = [*symbols(table), *_paragraphs(notes)]
+    if len(blocks) > FEW:
+        body = [rf"\begin{{longtable}}{specs}", rf"{caption}\\", *titles, r"\endfirsthead", *titles]
+        body += [r"\endhead", r"\bottomrule", r"\endfoot", *rows, r"\end{longtable}"]
+        return "\n".join([start(table.name), *body, *said, END])
+    wide = sum(_width(c, table) for c in cells) > COLUMN or sum(c.share for c in cells) > 0.5
+    kind = "table*" if wide else "table"
     return "\n".join(
         [
-            f"% stability table {name}: recomputed",
-            NEEDS,
-            r"\begingroup\footnotesize\setlength{\tabcolsep}{2pt}\setlength{\parindent}{0pt}"
-            r"\raggedright",
-            r"\setlength{\LTleft}{0pt}\setlength{\LTright}{0pt}",
+            f"% stability table {table.name}: recomputed",
+            f"% needs amsmath, array and booktabs; as wide as {'the page' if wide else 'a column'}",
+            rf"\begin{{{kind}}}{SMALL}",
+            caption,
+            rf"\begin{{tabular*}}{{\linewidth}}{specs}",
+            *titles,
+            *(row.replace(r"\\*", r"\\") for row in rows),
+            r"\bottomrule",
+            r"\end{tabular*}\par\smallskip",
+            *said,
+            rf"\end{{{kind}}}",
         ]
     )
 
 
-def _longtable(
-    caption: str,
-    specs: Sequence[str],
-    head: Sequence[str],
-    rows: Sequence[str],
-    units: Sequence[str] = (),
-    *,
-    label: str,
-) -> list[str]:
-    r"""Lines of a longtable with booktabs rules.
+END = r"\par\endgroup"
+"""Last line of a table."""
+SMALL = r"\footnotesize\setlength{\tabcolsep}{2pt}\setlength{\parindent}{0pt}\raggedright"
+FEW = 30
+"""Most rows of a table that floats."""
+COLUMN = 30.0
+"""Width of a column of 85 mm in footnotesize [em]."""
 
-    Parameters
-    ----------
-    caption
-        Caption as plain text.
-    specs
-        Alignment of each column.
-    head, units
-        Header and units in LaTeX.
-    rows
-        Lines in LaTeX, each with its end.
-    label
-        What follows `tab:` in the label.
 
-    Examples
-    --------
-    >>> print(_longtable("two", ["l", "r"], ["a", "b"], [r"1 & 2 \\"], label="two")[1])
-    \caption{Two.}\label{tab:two}\\
-    """
-    titles = [" & ".join(head) + r" \\"]
-    titles += [" & ".join(units) + r" \\"] if any(units) else []
-    return [
-        rf"\begin{{longtable}}{{@{{\extracolsep{{\fill}}}}{''.join(specs)}@{{}}}}",
-        rf"\caption{{{prose(caption[:1].upper() + caption[1:])}.}}\label{{tab:{label}}}\\",
-        r"\toprule",
-        *titles,
-        r"\midrule",
-        r"\endfirsthead",
-        r"\toprule",
-        *titles,
-        r"\midrule",
-        r"\endhead",
-        r"\bottomrule",
-        r"\endfoot",
-        *rows,
-        r"\end{longtable}",
-    ]
+def _width(column: Column, table: Table) -> float:
+    """The width of a column of a table, roughly [em]."""
+    if column.share:
+        return column.share * COLUMN
+    texts = [_head(column), _unit(column, table), *(cell(column, row) for row in table.rows)]
+    return 0.5 + max(width(text.replace("$", "")) for text in texts)
+
+
+def start(name: str) -> str:
+    """First lines of a long table: where it is from, and its size of letters."""
+    return "\n".join(
+        [
+            f"% stability table {name}: recomputed",
+            NEEDS,
+            rf"\begingroup{SMALL}",
+            r"\setlength{\LTleft}{0pt}\setlength{\LTright}{0pt}",
+        ]
+    )
 
 
 def across(columns: int, text: str, indent: str = "") -> str:

@@ -86,7 +86,7 @@ def test_the_command_prints_latex(
     capsys: pytest.CaptureFixture[str], words: list[str], rows: int
 ) -> None:
     text = output(capsys, *words, "--latex")
-    body = text.split(r"\endfoot")[1].split(r"\end{longtable}")[0]
+    body = text.split(r"\midrule")[1].split(r"\bottomrule")[0]
     assert body.count(r"\\") == rows
     assert text.startswith(f"% stability {words[0]}\n") and r"\toprule" in text
     assert not re.search(r"\d1/", text.split(r"\label")[0])  # 0.3 1/√(gR) is not 0.31/√(gR)

@@ -13,6 +13,7 @@ from reference import spectra
 
 import stability as st
 from stability.base.verdict import CODES, Verdict
+from stability.compare import calls
 from stability.compare import failures as catalogue
 from stability.compare.cost import places
 from stability.compare.failures import Entry, attempt
@@ -38,11 +39,12 @@ from stability.compare.spectrum.routes import (
     AutomaticRaw,
     Certified,
     Deflated,
+    ExactVerdict,
     ManyDigits,
-    MapKernel,
     Route,
 )
 from stability.compare.spectrum.sympy_disk import kept_mass
+from stability.jobs.measured_cells import DONE, Cell
 
 # --- truths of spectra ---
 
@@ -209,7 +211,7 @@ def test_every_route_is_right_in_the_open_field(name: str) -> None:
 def test_routes_state_no_less_than_their_error(whole: bool) -> None:
     for name in classes() if whole else SOME:
         for group in points_of(name) if whole else [g[::3] for g in points_of(name)[::3]]:
-            for route in (Deflated(), MapKernel(), *([Certified()] if name == "very-near" else [])):
+            for route in (Deflated(), *([Certified()] if name == "very-near" else [])):
                 few = group[:4] if route.name == "certified" else group
                 answer = route.answer(few)
                 assert answer.bound is not None and answer.abscissa is not None
@@ -248,7 +250,7 @@ def test_boundaries_by_lapack_are_off_and_those_of_the_package_are_not(
 ) -> None:
     if not whole:  # the nearly flat hoop is the seventh
         monkeypatch.setattr(spectrum_chart, "EDGES", (*EDGES[:7:2], EDGES[11]))
-    people, own = spectrum_chart.locate("ad-1e-9"), spectrum_chart.locate("map")
+    people, own = spectrum_chart.locate("ad-1e-9"), spectrum_chart.locate("spectrum")
     assert max(e for e in own["error"] if e is not None) < 3e-16
     assert all(w is not None and w < 1e-15 for w in own["width"])
     assert None in people["error"]  # the nearly flat hoop: 1e-9 hides the growth
@@ -345,7 +347,7 @@ def test_each_break_is_caught_where_it_should_be() -> None:
 def test_a_spectrum_of_no_steady_motion_is_wrong_and_a_refusal_is_not() -> None:
     assert attempt(lambda: NonSteady().judge(AutomaticJacobian())).mark is Mark.WRONG  # type: ignore[union-attr]
     assert attempt(lambda: NonSteady().judge(Deflated())).mark is Mark.REFUSED  # type: ignore[union-attr]
-    assert attempt(lambda: NonSteady().judge(MapKernel())) is None
+    assert attempt(lambda: NonSteady().judge(ExactVerdict())) is None
 
 
 def test_one_over_cosine_crashes_or_is_wrong_where_the_disk_is_upright() -> None:
@@ -539,7 +541,11 @@ def entry(mark: Mark | None, digits: float = math.nan, method: str = "spectrum")
 
 
 def test_the_catalogue_is_written_as_csv_and_markdown() -> None:
-    found = [entry(Mark.DEGRADED, 7.0), entry(Mark.WRONG, method="ad"), entry(None, method="map")]
+    found = [
+        entry(Mark.DEGRADED, 7.0),
+        entry(Mark.WRONG, method="ad"),
+        entry(None, method="certified"),
+    ]
     rows = list(csv.DictReader(io.StringIO(catalogue.as_csv(found))))
     assert [r["mark"] for r in rows] == ["degraded", "wrong", ""]
     assert rows[0]["digits"] == "7" and rows[0]["note"] == 'a, "note"'
@@ -583,3 +589,28 @@ def test_an_integrator_with_the_name_of_another_driver_is_compared_too() -> None
     assert _single("dop853", [FixedStep.name]).name == "dop853"
     named_alike = _single("dop853", ["dop853"])
     assert (named_alike.name, named_alike().method) == ("simulate-dop853", "dop853")
+
+
+# --- whole calls ---
+
+
+@pytest.mark.parametrize("question", calls.QUESTIONS)
+def test_whole_calls_are_right_and_their_errors_are_those_of_what_is_returned(
+    question: str,
+) -> None:
+    """The error of an answer that is moved on purpose is what it was moved by."""
+    asked = calls.QUESTIONS[question]
+    size = asked.sizes[0]
+    for way in asked.ways.values():
+        answer = way.call(size)
+        if way.own:
+            assert asked.error(size, answer) < 1e-8
+        if isinstance(answer, float | np.ndarray):
+            assert asked.error(size, answer * (1 + 1e-3)) == pytest.approx(1e-3, rel=1e-2)
+
+
+def test_an_answer_that_is_missing_has_no_error() -> None:
+    value = {"first": 1.0, "size": [1], "error": [None], "seconds": [[2.0, 3.0]]}
+    cell = Cell("calls/spectrum/eigvals", DONE, value, "", 0.0)
+    [row] = calls.rows({"calls/spectrum/eigvals": cell})
+    assert row["error"] is None and row["time [s]"] == 2.0 and not row["own"]

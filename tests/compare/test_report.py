@@ -19,8 +19,8 @@ from matplotlib.figure import Figure
 
 import stability as st
 from stability.cli import main
+from stability.compare import calls, plan, report, scenes
 from stability.compare import failures as catalogue
-from stability.compare import plan, report, scenes
 from stability.compare.motion import chart as motion_chart
 from stability.compare.spectrum import chart as spectrum_chart
 from stability.compare.spectrum.points import classes
@@ -208,7 +208,7 @@ def test_the_fingerprint_knows_the_sources_and_not_the_figures(
 def small(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
     """A report of few routes, classes, scenes and cases, or of some more."""
     few = request.param == "few"
-    routes = ("ad-1e-9", "spectrum") if few else ("ad-1e-9", "certified", "map", "spectrum")
+    routes = ("ad-1e-9", "spectrum") if few else ("ad-1e-9", "certified", "spectrum")
     names = ("open", "meeting") if few else tuple(classes())
     some = {name: classes()[name] for name in names}
     monkeypatch.setattr(spectrum_chart, "CHARTED", routes)
@@ -222,6 +222,8 @@ def small(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> No
         for module in (plan, report):  # each metric is one more figure
             monkeypatch.setattr(module, "METRICS", {"path": plan.METRICS["path"]})
         monkeypatch.setattr(motion_chart, "LIMIT", 2.0)  # what a cell has by then is kept
+    some_calls = {n: calls.QUESTIONS[n] for n in ("spectrum", "boundaries")}
+    monkeypatch.setattr(calls, "QUESTIONS", some_calls)
     monkeypatch.setattr(catalogue, "LIMIT", 60.0)  # a loaded machine is no fault of a method
     monkeypatch.setattr(catalogue, "ROUTE_NAMES", ("ad-raw", "sympy-solved", "spectrum"))
     monkeypatch.setattr(catalogue, "DRIVER_NAMES", ("rk4", "regularised", "simulate"))
@@ -256,7 +258,7 @@ def test_a_report_holds_figures_numbers_and_a_page(
     assert found["failures"]["misleading"] == []
     assert found["failures"]["marks"]["ad-raw"]["wrong"] >= 2
     page = (out / "index.html").read_text()
-    for name in ("spectrum", "motion", "scenes", "failures"):
+    for name in ("spectrum", "motion", "calls", "scenes", "failures"):
         for file in found[name]["files"]:
             assert Path(file).stat().st_size > 100
             assert Path(file).name in page

@@ -27,6 +27,7 @@ from stability.compare.figures import (
     SOLID,
     _shares_figure,
     boundary_figure,
+    calls_figure,
     failure_figure,
     first_call_figure,
     ladder_figure,
@@ -80,6 +81,12 @@ def cases() -> list[catalogue.Entry]:
     return catalogue.from_csv((EXAMPLE / "failures.csv").read_text())
 
 
+def measured_calls() -> list[dict[str, Any]]:
+    """The rows of the example report."""
+    rows = csv.DictReader((EXAMPLE / "calls.csv").read_text().splitlines())
+    return [r | {"error": float(r["error"]), "time [s]": float(r["time [s]"])} for r in rows]
+
+
 class Drawn(dict[str, Figure]):
     """Figures by name, each drawn when it is first asked for."""
 
@@ -106,6 +113,7 @@ def figures(
         "verdict": lambda: verdict_figure(spectrum),
         "eigenvalues": lambda: spectrum_figure(spectrum),
         "boundary": lambda: boundary_figure(spectrum),
+        "calls": lambda: calls_figure(measured_calls()),
         "path": lambda: motion_figure(motion, "path"),
         "event": lambda: motion_figure(motion, "event"),
         "first": lambda: first_call_figure(motion),
@@ -124,6 +132,7 @@ def figures(
         "verdict",
         "eigenvalues",
         "boundary",
+        "calls",
         "path",
         "event",
         "first",

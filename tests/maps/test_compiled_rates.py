@@ -8,7 +8,7 @@ import casadi as ca
 import mpmath
 import numpy as np
 import pytest
-from spectrum_oracle import DIGITS, reduced_truth
+from spectrum_oracle import DIGITS, exact_codes, reduced_truth
 
 import stability as st
 from stability.algebra.kernels import pairs
@@ -19,7 +19,6 @@ from stability.base.verdict import CODES, Verdict
 from stability.maps.compiled import factors, loops
 from stability.maps.compiled.rates import CompiledRates, of_coefficients
 from stability.maps.engine import SliceCells, slice_cells
-from stability.maps.points import codes_at
 from stability.maps.rates import PROVED, WANTED, Rates, rates
 from stability.spectra.certificate import certify
 from stability.spectra.problem import disk_problem
@@ -129,7 +128,7 @@ def test_loops_and_numpy_agree_within_their_bounds(family: str, law: Any) -> Non
     assert (np.abs(found.abscissa - wanted.abscissa) <= found.error + wanted.error).all()
     assert np.abs(found.frequency - wanted.frequency).max() <= 1e-10 * wanted.frequency.max()
     assert np.isfinite(found.error).all()
-    codes = codes_at(asked, swept(asked, lines))[0]
+    codes = exact_codes(asked, swept(asked, lines))
     assert (found.codes == codes).all() and (wanted.codes == codes).all()
     assert (codes[found.abscissa > found.error] == CODES[Verdict.UNSTABLE]).all()
     assert (codes[found.abscissa < -found.error] == CODES[Verdict.STABLE]).all()
@@ -203,7 +202,7 @@ def test_tiles_over_a_boundary_are_right_on_both_sides(family: str) -> None:
         at = np.unique(edge * (1 + width * np.linspace(-1, 1, 41)))
         lines = {"at": at, "mu": np.linspace(0.5, 0.9, 9)}
         found = computed(asked, lines, quick=True)
-        codes = codes_at(asked, swept(asked, lines))[0]
+        codes = exact_codes(asked, swept(asked, lines))
         signs = np.where(found.abscissa > 0, CODES[Verdict.UNSTABLE], CODES[Verdict.STABLE])
         proved = np.abs(found.abscissa) > found.error
         assert (signs == codes)[proved].all()

@@ -1,5 +1,6 @@
 """Spectra of the disk's families by mpmath, from the graph with its constants exact."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import mpmath
@@ -7,7 +8,8 @@ import numpy as np
 
 import stability as st
 from stability.algebra.program import Program
-from stability.base.verdict import Verdict
+from stability.base.verdict import CODES, Verdict
+from stability.spectra.certificate import verdict
 
 DIGITS = 200
 
@@ -70,3 +72,13 @@ def random_points(
     else:
         at = 10 ** random.uniform(-3, 3, count)
     return at[:, None], np.column_stack([k, mu])
+
+
+def exact_codes(asked: Any, values: Mapping[str, Any]) -> Any:
+    """Verdict flags by exact arithmetic, point by point, of the broadcast shape."""
+    arrays = dict(zip(values, np.broadcast_arrays(*values.values()), strict=True))
+    shape = next(iter(arrays.values())).shape
+    codes = np.zeros(shape, dtype=np.int8)
+    for place in np.ndindex(shape):
+        codes[place] = CODES[verdict(asked, {n: float(v[place]) for n, v in arrays.items()})]
+    return codes

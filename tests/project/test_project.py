@@ -28,6 +28,7 @@ FROM_FIGURES_UP = (
 WITH_SYMPY = (
     "algebra/number_types.py",
     "derivation",
+    "export/to_latex.py",  # its printer
     "tables",
     "compare",
     "systems/sources/sympy_models.py",  # reads the user's SymPy models, imports SymPy when called

@@ -158,9 +158,11 @@ PACKAGES = "lmodern,amsmath,array,booktabs,longtable"
 
 
 def pages(text: str, folder: Path) -> str:
-    """The log of pdflatex, for a document with lines of 345 pt."""
+    """The log of pdflatex: lines of 345 pt with a long table, else columns of 85 mm."""
     needed("texlive-latex-recommended, lmodern", "pdflatex")
-    head = rf"\documentclass{{article}}\usepackage{{{PACKAGES}}}\begin{{document}}"
+    long = r"\begin{longtable}" in text
+    kind, page = ("", "") if long else ("[twocolumn]", r"\usepackage[margin=18mm]{geometry}")
+    head = rf"\documentclass{kind}{{article}}{page}\usepackage{{{PACKAGES}}}\begin{{document}}"
     (folder / "paper.tex").write_text(f"{head}\n{text}\n\\end{{document}}\n")
     command = ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "paper.tex"]
     for _ in range(2):
@@ -209,7 +211,7 @@ def test_every_table_has_rules_and_defines_its_symbols(case: str) -> None:
     text = made(case).to_latex()
     for rule in (r"\toprule", r"\midrule", r"\bottomrule"):
         assert rule in text
-    defined = re.sub(r"\\begin\{longtable\}.*?\\end\{longtable\}", "", text, flags=re.DOTALL)
+    defined = re.sub(r"\\begin\{(longtable|tabular\*)\}.*?\\end\{\1\}", "", text, flags=re.DOTALL)
     for column in made(case).columns:
         if column.latex:
             assert f"${column.latex}$: " in defined
@@ -218,7 +220,7 @@ def test_every_table_has_rules_and_defines_its_symbols(case: str) -> None:
 
 def test_numbers_in_latex_are_those_of_the_rows() -> None:
     table = made("drift in SI")
-    body = table.to_latex().split(r"\endfoot")[1].split(r"\end{longtable}")[0]
+    body = re.split(r"\\endfoot|\\midrule", table.to_latex())[-1].split(r"\end{")[0]
     lines = [line for line in body.splitlines() if "&" in line]
     assert len(lines) == len(table)
     for line, row in zip(lines, table, strict=True):

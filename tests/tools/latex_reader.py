@@ -49,6 +49,7 @@ class Reader:
     """A reader of sums, products, fractions, powers, roots and functions."""
 
     def __init__(self, text: str, names: dict[str, float]) -> None:
+        text = text.replace(r"\bigl(", r"\left(").replace(r"\bigr)", r"\right)")
         for space in (r"\quad", r"\,", "&", "\\\\\n", "\n", "{}"):
             text = text.replace(space, " ")
         self.text, self.at = text, 0
@@ -116,15 +117,16 @@ class Reader:
             return math.sqrt(self.braced())
         if self.take("\\pi"):
             return math.pi
-        for word, function in FUNCTIONS.items():
-            if self.take(f"\\{word}\\left("):
-                found = self.sum()
-                self.need("\\right)")
-                return function(found)
+        for word, function in sorted(FUNCTIONS.items(), reverse=True):  # sinh before sin
+            if self.take(f"\\{word}"):
+                power = self.braced() if self.take("^") else 1
+                return function(self.atom()) ** power
         if self.take("\\left("):
             found = self.sum()
             self.need("\\right)")
             return found
+        if self.take("e^"):
+            return math.exp(self.braced())
         if self.see("{"):
             return self.braced()
         digits = re.match(r"\d+(?:\.\d+)?", self.rest())
@@ -134,12 +136,12 @@ class Reader:
         return float(digits[0])
 
 
-def displays(text: str) -> list[tuple[str, str]]:
-    """(left, right) of every line of every align*; lines that go on are joined."""
+def displays(text: str) -> list[tuple[str, str, str]]:
+    """(left, sign, right) of every equation of every align*; lines that go on are joined."""
     found = []
     for body in re.findall(r"\\begin\{align\*\}\n(.*?)\n\\end\{align\*\}", text, re.DOTALL):
-        joined = body.replace(" \\\\\n&\\quad{}", "")
+        joined = body.replace(" \\\\\n&\\quad{}", " ")
         for line in joined.split(" \\\\\n"):
-            left, _, right = line.partition("&= ") if "&= " in line else ("", "", line)
-            found.append((left.strip(), right.lstrip("&")))
+            left, sign, right = re.split(r" ([=<>]) ", line, maxsplit=1)
+            found.append((left.lstrip("&").strip(), sign, right))
     return found

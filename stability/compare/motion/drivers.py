@@ -164,12 +164,20 @@ def _rates(law: str) -> Callable[[Any, Any], Any]:
     return rates
 
 
-def _plain(scene: ReferenceMotion) -> tuple[Callable[[float, Any], Any], Any]:
-    """Rates f(t, y) and the start, without events or an account of energy."""
-    rates = _rates(scene.law)
+def _plain(scene: ReferenceMotion) -> tuple[Callable[[float, Any], Any], Any, Any]:
+    """Rates f(t, y), the start, and the normal force at (t, y)."""
+    from ...integrators.flow import flow
+
+    rates, which = _rates(scene.law), flow(scene.law)
     p = np.array([scene.k, *([] if scene.mu is None else [scene.mu]), 1e-6])
     own = 4 if scene.law == "rough" else 6
-    return lambda _t, y: rates(y, p), np.array(scene.start[:own])
+    pad = np.zeros(len(which.names) - own)
+
+    def normal(_: float, y: Any) -> Any:
+        return which.quick.watch(p, np.concatenate([y, pad]))[0][0]
+
+    normal.terminal = True  # type: ignore[attr-defined]
+    return lambda _t, y: rates(y, p), np.array(scene.start[:own]), normal
 
 
 def _six(states: Any) -> Floats:
@@ -190,16 +198,21 @@ class RungeKutta45(Driver):
         """Call `scipy.integrate.solve_ivp`."""
         return self.solved(scene, times, rtol=tolerance, atol=tolerance)
 
-    def solved(self, scene: ReferenceMotion, times: Floats, **options: float) -> Answer:
-        """Call `solve_ivp` with these options."""
+    def solved(
+        self, scene: ReferenceMotion, times: Floats, *, ends: bool = False, **options: Any
+    ) -> Answer:
+        """Call `solve_ivp` with these options; with `ends` it stops where the disk lifts off."""
         from scipy.integrate import solve_ivp
 
-        f, start = _plain(scene)
+        f, start, normal = _plain(scene)
+        options |= {"events": normal} if ends else {}
         found = solve_ivp(f, times[[0, -1]], start, t_eval=times, **options)
         if not found.success:
             raise ArithmeticError(found.message)
         if not np.isfinite(found.y).all():
             raise ArithmeticError("a state that is not finite")
+        if ends and found.t_events[0].size:
+            return Answer(found.t, _six(found.y.T), "lift-off", float(found.t_events[0][0]))
         return Answer(found.t, _six(found.y.T), "moving", float(found.t[-1]))
 
 
@@ -234,22 +247,16 @@ class FixedStep(Driver):
 
     def run(self, scene: ReferenceMotion, times: Floats, tolerance: float) -> Answer:
         """Integrate; `tolerance` is the step."""
-        from ...integrators.flow import flow
-
-        f, y = _plain(scene)
-        which = flow(scene.law)
-        p = np.array([scene.k, *([] if scene.mu is None else [scene.mu]), 1e-6])
-        pad = np.zeros(len(which.names) - len(y))
+        f, y, normal = _plain(scene)
         rows = [y]
         for a, b in zip(times[:-1], times[1:], strict=True):
             count = max(1, round((b - a) / tolerance))
             h = (b - a) / count
             for i in range(count):
                 y = _step(f, y, h)
-                values, _ = which.quick.watch(p, np.concatenate([y, pad]))
                 if not np.isfinite(y).all():
                     raise ArithmeticError("a state that is not finite")
-                if values[0] <= 0:
+                if normal(0.0, y) <= 0:
                     states = _six(np.array(rows))
                     return Answer(times[: len(rows)], states, "lift-off", a + (i + 1) * h)
             rows.append(y)

@@ -19,6 +19,8 @@ from .routes import ROUTES, Answer, Route, check, route
 if TYPE_CHECKING:
     import xarray
 
+    from ...boundary.brackets import Boundaries
+
 FEW = 12
 """Points of a class, about, for a route that takes one point at a time."""
 MANY = 960
@@ -220,10 +222,11 @@ def exact_edge(
 
 
 def _found(mine: Route, where: Any, near: float) -> tuple[float | None, float | None]:
-    return _proved(where, near) if mine.own else (_bisected(mine, where, near), None)
+    low, high = near * (1 - BRACKET), near * (1 + BRACKET)
+    return _proved(where, low, high) if mine.own else (bisected(mine, where, low, high), None)
 
 
-def _bisected(mine: Route, where: Any, near: float) -> float | None:
+def bisected(mine: Route, where: Any, low: float, high: float) -> float | None:
     """Bisection on whether a route says unstable; None where the ends are not distinguished."""
     family, law, k, mu = where[:4]
 
@@ -232,7 +235,6 @@ def _bisected(mine: Route, where: Any, near: float) -> float | None:
         code = mine.answer(Points(family, law, np.array([k]), friction, np.array([at]))).codes[0]
         return bool(code == CODES[Verdict.UNSTABLE])
 
-    low, high = near * (1 - BRACKET), near * (1 + BRACKET)
     first = unstable(low)
     if unstable(high) == first:
         return None
@@ -244,20 +246,25 @@ def _bisected(mine: Route, where: Any, near: float) -> float | None:
     return (low + high) / 2
 
 
-def _proved(where: Any, near: float) -> tuple[float | None, float | None]:
-    """A boundary by the package's `boundaries`, and its proved relative half-width."""
+def proved(where: Any, low: float, high: float, values: int) -> Boundaries:
+    """Boundaries by the package's `boundaries`."""
     from ...bodies.contact_laws import law_named
     from ...bodies.disk import Disk
     from ...boundary.changes import boundaries
 
     family, law, k, mu = where[:4]
+    return boundaries(
+        family,
+        axis=("at", low, high, values),
+        disk=Disk(k=k),
+        contact=law_named(law, mu),
+    )
+
+
+def _proved(where: Any, low: float, high: float) -> tuple[float | None, float | None]:
+    """A boundary by the package, and its proved relative half-width."""
     try:
-        found = boundaries(
-            family,
-            axis=("at", near * (1 - BRACKET), near * (1 + BRACKET), 4),
-            disk=Disk(k=k),
-            contact=law_named(law, mu),
-        )
+        found = proved(where, low, high, 4)
     except StabilityError:
         return None, None
     if len(found) != 1:

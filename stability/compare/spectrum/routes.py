@@ -24,7 +24,6 @@ from ...base.verdict import CODES, Verdict
 from ...bodies.disk import Disk
 from ...bodies.families import FAMILIES
 from ...bodies.thin_disk import disk_system
-from ...maps.points import codes_at, rates_at
 from ...spectra.certificate import verdict
 from ...spectra.result import Spectrum
 from ...spectra.spectrum import spectrum
@@ -498,33 +497,6 @@ class Certified(Deflated):
     default, arrays, certify = False, False, True
 
 
-class MapKernel(Route):
-    """Work of `stability_map` at each cell: exact polynomials, a filter, factors with bounds."""
-
-    name, title = "map", "stability_map(): exact polynomials in doubles with bounds"
-    own, default = True, True
-
-    def answer(self, points: Points) -> Answer:
-        """Call the kernels of maps on scattered points."""
-        problem = points.problem()
-        codes, _ = codes_at(problem, problem.values)
-        growth = rates_at(problem, problem.values, modes=True)
-        return Answer(codes, growth.values, growth.abscissa, growth.error)
-
-
-class MapVerdict(Route):
-    """The verdicts of `stability_map` alone."""
-
-    name, title = "map-verdict", "stability_map(), verdicts alone: exact conditions, filtered"
-    own, default = True, True
-
-    def answer(self, points: Points) -> Answer:
-        """Call the filter of maps."""
-        problem = points.problem()
-        codes, _ = codes_at(problem, problem.values)
-        return Answer(codes)
-
-
 class ExactVerdict(Route):
     """A proved verdict alone, point by point."""
 
@@ -543,7 +515,7 @@ class ExactVerdict(Route):
         return Answer(np.array(codes, dtype=np.int8))
 
 
-OWN: tuple[type[Route], ...] = (Deflated, Certified, MapKernel, MapVerdict, ExactVerdict)
+OWN: tuple[type[Route], ...] = (Deflated, Certified, ExactVerdict)
 """The package's routes."""
 
 
