@@ -238,6 +238,7 @@ def _system_model(same: Same) -> Model:
     for name, value in system.observables.items():
         parts = ca.vertsplit(ca.vec(ca.densify(value)))
         series |= {name if len(parts) == 1 else f"{name}_{i}": v for i, v in enumerate(parts)}
+    system.refuse_algebraic("a motion")
     for name in (*system.states, *system.parameters, *series):
         if "/" in name or not name.isprintable() or not name.strip():
             raise ParameterError(

@@ -22,7 +22,7 @@ from flint import arb, ctx, fmpq_poly
 from numpy.typing import NDArray
 
 from ..algebra.exact.routh import hurwitz_determinant, hurwitz_sign, product, verdict_polynomial
-from ..algebra.number_types import MIXED, precision
+from ..algebra.number_types import MIXED, balls, precision
 from ..algebra.polynomial import TabulatedPolynomial
 from ..base.errors import NoMemberError, StabilityError, warned
 from ..base.printing import html_table, in_brackets, to_bound
@@ -604,6 +604,13 @@ class AxisScan:
                     continue
             # where the family's equation is singular, as at tumbling's branch point
             return self._exact(value) or self._solved(a, q, None)
+
+    def determinant(self, value: float) -> Any:
+        """The determinant of algebraic equations at a point of the line, a ball."""
+        family = self.problem.family
+        a, q = self.given(value)
+        u = ball_unknowns(family, a, q)
+        return family.graph.determinant.dense(balls(), [a, u, q])[0][0]
 
     @cached_property
     def formulas(self) -> ClosedForm | None:

@@ -16,7 +16,15 @@ from ..algebra.polynomial import ExactPolynomial
 from ..algebra.program import entries
 from ..algebra.upright import Upright
 from ..base.checks import broadcast, instance, rows
-from ..base.errors import DomainError, NoMemberError, ParameterError, StabilityError, listing, shown
+from ..base.errors import (
+    DomainError,
+    NoMemberError,
+    ParameterError,
+    StabilityError,
+    listed,
+    listing,
+    shown,
+)
 from ..base.types import Floats, Record, fields_of
 from .closed_form import ClosedForm
 from .equations import Equations
@@ -186,6 +194,16 @@ class Family(Record):
         return tuple(i for i, n in enumerate(self.system.states) if n not in self.left_out)
 
     @property
+    def idle(self) -> tuple[str, ...]:
+        """States that the linearisation does not act on: left out, or algebraic variables."""
+        return (*self.left_out, *self.system.algebraic)
+
+    @cached_property
+    def kept(self) -> tuple[int, ...]:
+        """Positions of the other states."""
+        return tuple(i for i, n in enumerate(self.system.states) if n not in self.idle)
+
+    @property
     def fixed(self) -> dict[str, float | Upright]:
         """Values of the states that the family fixes: those held, and 0 for those left out."""
         return {**self.held, **dict.fromkeys(self.left_out, 0.0)}
@@ -274,6 +292,9 @@ class Family(Record):
         states = self.states(a, u, q)
         given = self._system_parameters(a, q)
         self.system.check(states, given)
+        if not (fine := self._determined(a, u, q)).all():
+            i = int(np.argmin(fine))
+            raise DomainError(self._undetermined(a[i], q[i]))
         try:
             require_steady(self, a, u, q, states)
             # a factor zero folds away in the family's graph, which may hide an overflow
@@ -297,6 +318,21 @@ class Family(Record):
 
     def _kinked(self, a: Floats, q: Floats) -> str:
         return f"{self._place(a, q)}: the rates of {self.system.name} {KINKED}"
+
+    def _determined(self, a: Floats, u: Floats, q: Floats) -> NDArray[np.bool_]:
+        """Whether algebraic equations determine their variables to first order."""
+        if not self.system.algebraic:
+            return np.ones(len(a), dtype=bool)
+        arguments = [entries(a), entries(u), entries(q)]
+        found: Floats = self.graph.determinant.arrays(arguments, a.shape[:1])[0][..., 0, 0]
+        return np.isfinite(found) & (found != 0)
+
+    def _undetermined(self, a: Floats, q: Floats) -> str:
+        return (
+            f"{self._place(a, q)}: the algebraic equations of {self.system.name} do not determine "
+            f"{listed(self.system.algebraic)} to first order, since det ∂g/∂y is 0 there (an index "
+            "above 1, or a singularity-induced point); take a member next to it."
+        )
 
     def matrix(self, a: Floats, u: Floats, q: Floats) -> Floats:
         """Linearisation ∂f/∂x at members.
@@ -416,9 +452,14 @@ class Family(Record):
         place = self.states(a_, u_, q_), self._system_parameters(a_, q_)
         good[good] = self.system.valid(*place)
         valid = good.copy()
+        determined = np.ones(len(a), dtype=bool)
+        determined[found.good] = self._determined(a_, u_, q_)
         good[found.good] &= sloped(self.system, *place)
+        good &= determined
 
         def why(row: int) -> str:
+            if not determined[row]:
+                return self._undetermined(a[row], q[row])
             if valid[row]:
                 return self._kinked(a[row], q[row])
             place = listing((*self.at, *self.parameters), (*a[row], *q[row]))
