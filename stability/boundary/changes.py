@@ -31,9 +31,11 @@ from ..spectra.problem import Problem
 from ..spectra.verdict_routes import BITS
 from ..systems.family import Family
 from ..systems.singular_points import Curve, crossings, directions, kind_of_crossing
+from ..systems.sources.numeric import NumericSystem
 from ..systems.symmetry import symmetric_family
 from .algebraic.exact_search import MOST_DIGITS, searched
 from .brackets import AxisScan, Boundaries, BoundaryPoint, Crossings, Unresolved, crossed
+from .by_floats import float_boundaries, float_crossings
 from .every_crossing import crossings_in_pieces, every_crossing
 from .interval_search.pieces import meaningful, proved
 
@@ -107,7 +109,8 @@ def boundaries(
     the imaginary axis, or a single crossing.  An empty result that is complete states that the
     verdict, which is `.throughout`, does not change, but at the single values in `.touching`.
     Pieces without such a proof are scanned.  The result then says where a change is not excluded,
-    and a `StabilityWarning` repeats this.
+    and a `StabilityWarning` repeats this.  A Python function is scanned by floats: each point says
+    so, and the result is never complete.
 
     Parameters
     ----------
@@ -164,10 +167,16 @@ def boundaries(
     problem, (grid,) = swept(
         family, {"axis": axis}, disk, body, contact, at, parameters, exact=True, most=MOST_SCAN
     )
+    numeric = isinstance(problem.family.system, NumericSystem)
     if every:
-        crossings = _described(problem, grid, every_along(problem, grid))
+        search = float_crossings if numeric else every_along
+        crossings = _described(problem, grid, search(problem, grid))
         crossings.warn(grid.name)
         return crossings
+    if numeric:
+        scanned = _described(problem, grid, float_boundaries(problem, grid))
+        scanned.warn(grid.name)
+        return scanned
     fixed = {n: float(v) for n, v in problem.values.items() if n != grid.name}
     found = along(problem, grid.name, grid.low, grid.high, points=grid.count, log=grid.log)
 
@@ -202,11 +211,12 @@ def _described(problem: Problem, grid: Axis, found: Points) -> Points:
         left = tuple(_singularity_named(line, part) for part in found.unresolved)
         found = replace(found, unresolved=left)
     law = problem.law.name if problem.law else None
+    proofs = not isinstance(problem.family.system, NumericSystem)
     return replace(
         found,
         how=problem.family.system.qualified(found.how),
         searched=(grid.name, grid.low, grid.high),
-        citation=cited(law, model=of_package(problem), proofs=True),
+        citation=cited(law, model=of_package(problem), eigenvalues=not proofs, proofs=proofs),
         unit=unit_of(axis_attributes(problem, grid.name)),
         rate_unit=unit_of(rate_attributes(problem)),
     )

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from ..base.errors import StabilityError
 from ..base.types import Floats
 from ..systems.family import Family
+from ..systems.sources.numeric import NumericSystem
 from .line import Line
 from .settling import Settling
 
@@ -58,6 +59,8 @@ def _line(family: Family) -> Line:
             "its members are found by a root-finder along "
             f"{', '.join(along)}, and convergence to those is not proved"
         )
+    if isinstance(system, NumericSystem):
+        reason = "by floats convergence to it is not proved"
     return Line(
         family.name,
         system,  # type: ignore[arg-type]  # motions are of systems with a graph

@@ -308,8 +308,8 @@ class Equations(Portable, Record):
         if self.algebraic:
             raise ParameterError(
                 f"{self.name} has algebraic equations, for {listed(self.algebraic)}, and "
-                f"{question} takes rates alone; solve them for their variables, or ask for spectrum, "
-                "boundaries or stability_map."
+                f"{question} takes rates alone; solve them for their variables, or ask for "
+                "spectrum, boundaries or stability_map."
             )
 
     @property

@@ -32,6 +32,7 @@ from .graph.family_graph import FamilyGraph, Frame
 from .graph.ignorable import acting_on, hidden_pairs, ignorable, turned
 from .graph.smoothness import KINKED, REMOVABLE, edged, gap, sloped
 from .members import UNKNOWN, Anchor, Found, check_states, find, given_noise, rate_noise
+from .sources.numeric import NumericSystem, numeric_checked, numeric_search, numeric_states
 from .system_checks import check_family
 
 
@@ -289,6 +290,8 @@ class Family(Record):
             If the equations have no meaning there.
         """
         a, u, q = tables(self, a, q, u)
+        if isinstance(self.system, NumericSystem):
+            return numeric_checked(self, a, u, q)
         states = self.states(a, u, q)
         given = self._system_parameters(a, q)
         self.system.check(states, given)
@@ -324,8 +327,8 @@ class Family(Record):
         if not self.system.algebraic:
             return np.ones(len(a), dtype=bool)
         arguments = [entries(a), entries(u), entries(q)]
-        found: Floats = self.graph.determinant.arrays(arguments, a.shape[:1])[0][..., 0, 0]
-        return np.isfinite(found) & (found != 0)
+        found = self.graph.determinant.arrays(arguments, a.shape[:1])[0][..., 0, 0]
+        return np.asarray(np.isfinite(found) & (found != 0))
 
     def _undetermined(self, a: Floats, q: Floats) -> str:
         return (
@@ -412,6 +415,8 @@ class Family(Record):
         Found
         """
         a, _, q = tables(self, a, q)
+        if isinstance(self.system, NumericSystem):
+            return numeric_search(self, a, q, guess)
         possible, why = self._possible(a, q)
         first = np.array(list(self.unknown.values()))
         u = np.tile(first, (len(a), 1))
@@ -447,6 +452,8 @@ class Family(Record):
         Found
         """
         found = self.search(a, q)
+        if isinstance(self.system, NumericSystem):
+            return found
         good = found.good.copy()
         a_, u_, q_ = a[good], found.u[good], q[good]
         place = self.states(a_, u_, q_), self._system_parameters(a_, q_)
@@ -482,6 +489,8 @@ class Family(Record):
             Shape (N, n).
         """
         a, u, q = tables(self, a, q, u)
+        if isinstance(self.system, NumericSystem):
+            return numeric_states(self, a, u)
         arguments = [entries(a), entries(u), entries(q)]
         out: Floats = self.graph.state.arrays(arguments, a.shape[:1])[0][..., 0]
         return out

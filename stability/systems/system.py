@@ -188,9 +188,9 @@ class System(Equations):
     ) -> Equations:
         """A system from a CasADi function, live or from a file, or from a plain Python function.
 
-        A Python function makes a *numeric* system, which is no `System`: families and spectra take
-        it, with discs from an estimated error of a numerical derivative.  Everything that needs
-        the graph refuses it: proofs, boundaries, maps, motions.
+        A Python function makes a *numeric* system, which is no `System`.  Spectra, boundaries and
+        maps of its families are by floats, with an estimated error of a numerical derivative, and
+        say so; `simulate` integrates it.  Everything that needs the graph refuses it.
 
         Parameters
         ----------

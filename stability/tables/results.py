@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..base.quantities import Kind
+from ..base.verdict import Evidence
 from ..boundary.brackets import Crossings
 from ..derivation.latex import symbol
 from .table import Column, Definition, Table, latex, word
@@ -89,6 +90,7 @@ def boundaries_table(found: Any, subject: str, axis: str, kinds: Mapping[str, An
     letter = (known.latex or known.symbol) if known else symbol(axis)
     form = "{:.15g}"
     every = isinstance(found, Crossings)
+    bound = "proved bound" if found.evidence is Evidence.PROVED else str(found.evidence)
     sides = (
         (
             Column("below", "unstable eigenvalues below", latex="n_{<}"),
@@ -102,7 +104,7 @@ def boundaries_table(found: Any, subject: str, axis: str, kinds: Mapping[str, An
     )
     columns = (
         Column("value", known.long_name if known else "the axis", unit, letter, form),
-        Column("error", "proved bound", unit, r"\pm", "{:.0e}", of=("value", form)),
+        Column("error", bound, unit, r"\pm", "{:.0e}", of=("value", form)),
         word("crossing", "what crosses the imaginary axis"),
         *sides,
         Column("frequency", "angular frequency there", rate, r"\omega", "{:.12g}"),
