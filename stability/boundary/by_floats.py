@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
+from operator import attrgetter
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from ..base.axis import Axis
 from ..base.errors import NoMemberError, StabilityError
 from ..base.types import Complexes, Floats
 from ..base.verdict import CODES, Evidence, Verdict
-from ..spectra.eigenvalues import decide, eigenvalues
+from ..spectra.eigenvalues import decide, eigenvalues, unstable_in_discs
 from ..spectra.numeric import numeric_linearised
 from ..spectra.problem import Problem
 from .brackets import (
@@ -45,6 +46,10 @@ JUMPS = (
 )
 NARROW = 4 * np.finfo(float).eps
 """Half-width of the first bracket that is tried, relative to its place."""
+SIGNS = {CODES[Verdict.STABLE]: 1, CODES[Verdict.UNSTABLE]: -1}
+"""Sign of each verdict by its code."""
+SIGN = attrgetter("sign")
+"""What is followed along an axis for changes of verdict."""
 WIDER = 4.0
 """Width of each next bracket over that before."""
 JUMP = 1e-3
@@ -56,15 +61,14 @@ a crossing eigenvalue from the imaginary axis, over the largest one around the b
 class Look:
     """What floats show at one value of an axis."""
 
-    unstable: int
-    """Number of unstable eigenvalues; -1 where discs meet the imaginary axis, or without a member.
-    """
-    sign: int
-    """1 stable, -1 unstable, 0 undecided."""
     values: Complexes
     """Eigenvalues; empty without a member."""
     states: Floats
     """The member."""
+    sign: int | None = None
+    """1 stable, -1 unstable, None where it is open."""
+    unstable: int | None = None
+    """Number of unstable eigenvalues; None where a disc meets the imaginary axis."""
     why: str = ""
     """Why there is no member."""
 
@@ -104,17 +108,16 @@ class FloatScan:
             u = family.solve(a, q)
             found = numeric_linearised(family, a, q, u)
         except StabilityError as error:
-            return Look(-1, 0, np.empty(0, dtype=complex), np.empty(0), str(error))
+            return Look(np.empty(0, dtype=complex), np.empty(0), why=str(error))
         values, radius, _ = eigenvalues(found, even=False)
-        code = int(decide(values, radius, even=False)[0])
-        sign = (code == CODES[Verdict.STABLE]) - (code == CODES[Verdict.UNSTABLE])
-        grows, decays = (values.real > radius)[0], (values.real < -radius)[0]
-        count = int(grows.sum()) if (grows | decays).all() else -1
-        return Look(count, sign, values[0] * rate[0], family.states(a, u, q)[0])
+        sign = SIGNS.get(int(decide(values, radius, even=False)[0]))
+        count = int(unstable_in_discs(values, radius, even=False)[0])
+        state = family.states(a, u, q)[0]
+        return Look(values[0] * rate[0], state, sign, count if count >= 0 else None)
 
     def quick_sign(self, value: float) -> int:
         """The verdict by floats: 1, -1, or 0."""
-        return self.look(value).sign
+        return self.look(value).sign or 0
 
     def brackets(
         self, low: float, high: float, key: Callable[[Look], int | None]
@@ -188,16 +191,8 @@ class FloatScan:
         high = high if self.quick_sign(high) else high + width
         if not self.quick_sign(low) * self.quick_sign(high) < 0:
             return None
-        found = next(iter(self.crossings(low, high, _sign).values()))
+        found = next(iter(self.crossings(low, high, SIGN).values()))
         return _as_boundary(found) if found is not None else None
-
-
-def _sign(look: Look) -> int | None:
-    return look.sign or None
-
-
-def _count(look: Look) -> int | None:
-    return look.unstable if look.unstable >= 0 else None
 
 
 def _as_boundary(one: AxisCrossing) -> BoundaryPoint:
@@ -218,13 +213,13 @@ def float_boundaries(problem: Problem, grid: Axis) -> Boundaries:
     grid
         The axis; its points are those of the scan.
     """
-    points, left = _scanned(problem, grid, _sign)
+    points, left = _scanned(problem, grid, SIGN)
     return Boundaries(tuple(map(_as_boundary, points)), left, how=HOW.format(grid.count))
 
 
 def float_crossings(problem: Problem, grid: Axis) -> Crossings:
     """As `float_boundaries`, every crossing of the imaginary axis that a scan finds."""
-    return Crossings(*_scanned(problem, grid, _count), how=HOW.format(grid.count))
+    return Crossings(*_scanned(problem, grid, attrgetter("unstable")), how=HOW.format(grid.count))
 
 
 def _scanned(
