@@ -612,18 +612,23 @@ def require_steady(family: Any, a: Floats, u: Floats, q: Floats, states: Floats)
     if over.any():
         row = int(np.argmax(over.any(axis=1)))
         which = int(np.argmax(np.where(over[row], np.abs(rates[row]), -1.0)))
+        state = family.system.states[which]
+        off = f"{state} still changes at"
+        if state in family.system.algebraic:
+            off = f"the algebraic equation of {state} is off by"
         raise NoMemberError(
             f"{family.name} at {listing(family.at, a[row])} is not steady: "
-            f"{family.system.states[which]} still changes at {abs(rates[row, which]):.3g}, and "
+            f"{off} {abs(rates[row, which]):.3g}, and "
             f"rounding accounts for {bound[row, which]:.1g} of that at most; "
-            f"{_remedy(family.system, family.system.states[which])}."
+            f"{_remedy(family.system, state)}."
         )
 
 
 def _remedy(system: Any, state: str) -> str:
     if state in ignorable(system):
         return "it is ignorable, so leave it out of the family"
-    return "add its rate to the family's equations, or give what is held to all its digits"
+    what = state if state in system.algebraic else "its rate"
+    return f"add {what} to the family's equations, or give what is held to all its digits"
 
 
 A_FAMILY = "give a stability.Family: system.steady(at, guess={…}), disk_family(…), body.family(…)"

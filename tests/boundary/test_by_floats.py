@@ -102,6 +102,16 @@ def test_what_floats_do_not_show_stays_open(function: Any, said: str) -> None:
 
 
 @quiet
+def test_a_sign_within_the_estimated_error_is_no_verdict() -> None:
+    """The true boundary a = 0.5 is there, but rounding hides growth rates of 1e-15."""
+    family = at_origin(lambda x, p: [x[1], -np.sin(x[0]) - 1e-15 * (p[0] - 0.5) * x[1]], "x y", "a")
+    for every in (False, True):
+        found = st.boundaries(family, axis=("a", 0, 1, 8), every=every)
+        assert not found.points
+        assert "within its estimated error" in found.unresolved[-1].reason
+
+
+@quiet
 def test_a_part_without_members_is_named() -> None:
     system = st.System.from_function(
         lambda x, p: [p[0] ** 2 - 0.25 - x[0] ** 2], name="gap", states=("x",), parameters=("a",)

@@ -307,6 +307,34 @@ def test_what_takes_rates_alone_is_refused_in_one_sentence(ask: Callable[..., An
         ask(system, family)
 
 
+def test_a_member_off_its_algebraic_equation_is_refused() -> None:
+    system = semi_explicit(Y - X, X - Y - P)
+    family = st.Family(system, "off", at=("p",), held={"x": 0, "y": 0})
+    with pytest.raises(st.StabilityError, match="equation of y is off by 1, .*; add y to the fam"):
+        st.spectrum(family, at=1.0)
+
+
+def test_a_heading_and_an_algebraic_variable_are_zeros_of_their_own() -> None:
+    """With x' = y - 2x - p, h' = y and y + y³ = x the rate is 1/(1 + 3y²) - 2."""
+    h = ca.SX.sym("h")
+    system = st.System(
+        "heading",
+        ca.vertcat(X, h, Y),
+        P,
+        ca.vertcat(Y - 2 * X - P, Y, Y + Y**3 - X),
+        states=("x", "h", "y"),
+        parameters=("p",),
+        algebraic=("y",),
+    )
+    assert system.ignorable == ("h",)
+    found = st.spectrum(system.steady("p", guess={"p": 0.0}), at=0.3, certify=True)
+    y = found.states[2]
+    assert found.eigenvalues == pytest.approx([1 / (1 + 3 * y**2) - 2], rel=1e-14)
+    assert (found.structural_zeros, found.nonlinear.word) == (2, "asymptotic")
+    vector = found.modes.vectors[0]
+    assert vector[2] / vector[0] == pytest.approx(1 / (1 + 3 * y**2), rel=1e-12)
+
+
 def test_systems_with_other_algebraic_variables_differ() -> None:
     one, other = semi_explicit(X - Y, X + Y), semi_explicit(X - Y, X + Y, algebraic=())
     assert one != other
