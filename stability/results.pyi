@@ -1,6 +1,7 @@
 from .algebra.polynomial import Exact as Exact
 from .algebra.polynomial import ExactPolynomial as ExactPolynomial
 from .base.citation import Citation as Citation
+from .base.verdict import Evidence as Evidence
 from .base.verdict import Nonlinear as Nonlinear
 from .bodies.painleve import PainleveLimit as PainleveLimit
 from .boundary.brackets import AxisCrossing as AxisCrossing

@@ -55,6 +55,25 @@ def best(*, even: bool) -> Verdict:
     return Verdict.NEUTRAL if even else Verdict.STABLE
 
 
+class Evidence(Sentences):
+    """What a boundary rests on; the value of each member is the sentence a user reads.
+
+    Source: docs/explanation/method.md; tests/boundary/test_by_floats.py.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> st.results.Evidence.BY_FLOATS.word
+    'by floats, not proved'
+    """
+
+    PROVED = "proved: verdicts at both ends differ in rational arithmetic or in balls"
+    BY_FLOATS = (
+        "by floats, not proved: abscissas at both ends differ in sign by more than an estimated "
+        "error of finite differences"
+    )
+
+
 NO_MEMBER = 4
 """Flag value of a cell of a map without a member; it is no verdict."""
 CODES = {

@@ -14,6 +14,7 @@ from ..algebra.program import Program
 from ..base.errors import ParameterError, shown
 from ..base.quantities import Quantity, time_unit
 from ..base.types import Floats, Same
+from ..systems.sources.numeric import NumericSystem
 from ..systems.system import System
 from .contact_laws import DIRECTION, MU
 from .creep import CREEPS
@@ -238,6 +239,7 @@ def _system_model(same: Same) -> Model:
     for name, value in system.observables.items():
         parts = ca.vertsplit(ca.vec(ca.densify(value)))
         series |= {name if len(parts) == 1 else f"{name}_{i}": v for i, v in enumerate(parts)}
+    system.refuse_algebraic("a motion")
     for name in (*system.states, *system.parameters, *series):
         if "/" in name or not name.isprintable() or not name.strip():
             raise ParameterError(
@@ -255,6 +257,18 @@ def _system_model(same: Same) -> Model:
                 f"{system.name} observes {name!r}, which is a state or a parameter; give it "
                 "another name."
             )
+    if isinstance(system, NumericSystem):
+        return Model(
+            system,  # it has the face that motions ask for
+            system.states,
+            ca.SX.sym("x", len(system.states)),
+            ca.SX.sym("p", len(system.parameters)),
+            ca.SX(np.full(len(system.states), np.nan)),  # whoever reads them gets no number
+            system.states,
+            {},
+            title=f"motion of {system.name}",
+            source="a Python function, integrated by floats",
+        )
     x, rhs, names = [system.x], [system.rhs], [*system.states]
     if "energy" in series and "power" in series:
         x, rhs, names = [*x, ca.SX.sym(WORK)], [*rhs, series["power"]], [*names, WORK]

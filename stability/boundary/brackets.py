@@ -13,7 +13,7 @@ from __future__ import annotations
 import re
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, ClassVar, NamedTuple, TypeVar, overload
 
@@ -22,13 +22,13 @@ from flint import arb, ctx, fmpq_poly
 from numpy.typing import NDArray
 
 from ..algebra.exact.routh import hurwitz_determinant, hurwitz_sign, product, verdict_polynomial
-from ..algebra.number_types import MIXED, precision
+from ..algebra.number_types import MIXED, balls, precision
 from ..algebra.polynomial import TabulatedPolynomial
 from ..base.errors import NoMemberError, StabilityError, warned
 from ..base.printing import html_table, in_brackets, to_bound
 from ..base.quantities import behind
 from ..base.types import Sentences
-from ..base.verdict import DECAYING, Verdict
+from ..base.verdict import DECAYING, Evidence, Verdict
 from ..polynomials.identities import MOST_STATES, certain, symmetric
 from ..spectra.problem import Problem, formulas_of
 from ..spectra.verdict_routes import ALONE, ANYTHING, BITS, GRAPH, Point, by_routh, decided
@@ -95,7 +95,8 @@ class BoundaryPoint:
     value: float
     """Value of the axis, in the user's unit."""
     error: float
-    """Half-width of the proved bracket, same unit: the verdicts at value ± error differ."""
+    """Half-width of the bracket, same unit: the verdicts at value ± error differ, which is proved
+    unless `evidence` says by floats."""
     crossing: Crossing
     """Kind of crossing."""
     frequency: float
@@ -106,6 +107,8 @@ class BoundaryPoint:
     """Verdict on this side, next to the boundary: stable, neutral, drifting, or undecided which."""
     frequencies: tuple[float, ...] = ()
     """Where several cross at once: |Im λ| of each, 0 for a real one, in increasing order."""
+    evidence: Evidence = field(default=Evidence.PROVED, repr=False)
+    """What it rests on; by floats for a system that is a Python function."""
 
     def words(self, unit: str = "1", rate: str = "1") -> str:
         """The boundary in words.
@@ -130,7 +133,7 @@ class BoundaryPoint:
         turning = f", {several} {pair}{behind(rate)}" if pair else ""
         kind = self.crossing.word.replace("_", " ")
         value = f"{to_bound(self.value, self.error)}{behind(unit)}"
-        return f"{value}   {kind}, {verdict} {side}{turning}"
+        return f"{value}   {kind}, {verdict} {side}{turning}{_unproved(self.evidence)}"
 
 
 @dataclass(frozen=True)
@@ -162,6 +165,8 @@ class AxisCrossing:
     """Number of unstable eigenvalues below the value, proved; zeros by structure do not count."""
     unstable_above: int
     """The same above it."""
+    evidence: Evidence = field(default=Evidence.PROVED, repr=False)
+    """As for `BoundaryPoint`."""
 
     def words(self, unit: str = "1", rate: str = "1") -> str:
         """The crossing in words; `unit` and `rate` as in `BoundaryPoint.words`."""
@@ -172,7 +177,11 @@ class AxisCrossing:
         kind = self.crossing.word.replace("_", " ")
         value = f"{to_bound(self.value, self.error)}{behind(unit)}"
         sides = f"{self.unstable_below} unstable below, {self.unstable_above} above"
-        return f"{value}   {kind}, {sides}{turning}"
+        return f"{value}   {kind}, {sides}{turning}{_unproved(self.evidence)}"
+
+
+def _unproved(evidence: Evidence) -> str:
+    return "" if evidence is Evidence.PROVED else f", {evidence.word}"
 
 
 class Unresolved(NamedTuple):
@@ -251,6 +260,11 @@ class AxisPoints(Sequence[PointT], ABC):
         """Header with units, and a row for each point."""
 
     @property
+    def evidence(self) -> Evidence:
+        """What the points rest on."""
+        return next((p.evidence for p in self.points), Evidence.PROVED)
+
+    @property
     def complete(self) -> bool:
         """Whether the points are proved to be all on the closed interval."""
         return not self.unresolved
@@ -299,6 +313,11 @@ class AxisPoints(Sequence[PointT], ABC):
         points += self._alone()
         count = f"{len(self.points)} {self.one if len(self.points) == 1 else self.several}"
         return f"<{count}{where}{points}{state}>"
+
+    @property
+    def _error(self) -> str:
+        """Heading of the errors."""
+        return "error" if self.evidence is Evidence.PROVED else "error by floats"
 
     def to_csv(self) -> str:
         """The points as CSV: one header line with units, numbers with all their digits.
@@ -398,7 +417,7 @@ class Boundaries(AxisPoints[BoundaryPoint]):
     def flat(self) -> tuple[list[str], list[list[Any]]]:
         """Header with units, and a row for each boundary."""
         name, unit = (self.searched or ("value",))[0], in_brackets(self.unit)
-        header = [f"{name}{unit}", f"error{unit}", "crossing", "verdict", "side"]
+        header = [f"{name}{unit}", f"{self._error}{unit}", "crossing", "verdict", "side"]
         rows = [
             [
                 b.value,
@@ -444,7 +463,8 @@ class Crossings(AxisPoints[AxisCrossing]):
     def flat(self) -> tuple[list[str], list[list[Any]]]:
         """Header with units, and a row for each crossing."""
         name, unit = (self.searched or ("value",))[0], in_brackets(self.unit)
-        header = [f"{name}{unit}", f"error{unit}", "crossing", "unstable below", "unstable above"]
+        sides = ["unstable below", "unstable above"]
+        header = [f"{name}{unit}", f"{self._error}{unit}", "crossing", *sides]
         rows: list[list[Any]] = [
             [
                 c.value,
@@ -608,6 +628,13 @@ class AxisScan:
                     continue
             # where the family's equation is singular, as at tumbling's branch point
             return self._exact(value) or self._solved(a, q, None)
+
+    def determinant(self, value: float) -> Any:
+        """The determinant of algebraic equations at a point of the line, a ball."""
+        family = self.problem.family
+        a, q = self.numbers_at(value)
+        u = ball_unknowns(family, a, q)
+        return family.graph.determinant.dense(balls(), [a, u, q])[0][0]
 
     @cached_property
     def formulas(self) -> ClosedForm | None:

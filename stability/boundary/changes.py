@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from ..algebra.exact.number_fields import NotExact
 from ..algebra.exact.roots import UnclearError
+from ..algebra.number_types import precision
 from ..base.axis import Axis, AxisLike
 from ..base.checks import flag
 from ..base.citation import cited
@@ -27,11 +28,14 @@ from ..spectra.axes import swept
 from ..spectra.certificate import verdict as certified
 from ..spectra.labels import axis_attributes, of_package, rate_attributes
 from ..spectra.problem import Problem
+from ..spectra.verdict_routes import BITS
 from ..systems.family import Family
 from ..systems.singular_points import Curve, crossings, directions, kind_of_crossing
+from ..systems.sources.numeric import NumericSystem
 from ..systems.symmetry import symmetric_family
 from .algebraic.exact_search import MOST_DIGITS, searched
-from .brackets import AxisScan, Boundaries, BoundaryPoint, Crossings, crossed
+from .brackets import AxisScan, Boundaries, BoundaryPoint, Crossings, Unresolved, crossed
+from .by_floats import float_boundaries, float_crossings
 from .every_crossing import crossings_in_pieces, every_crossing
 from .interval_search.pieces import meaningful, proved
 
@@ -42,6 +46,10 @@ ZERO = 1e-12
 CROSSED = (
     "another branch of steady motions crosses at {axis} = {value:.12g}, {kind} as far as double "
     "precision shows, and no symmetry is known by which this is proved"
+)
+SINGULAR = (
+    "det ∂g/∂y of the algebraic equations of {} changes its sign here (a singularity-induced "
+    "point): their index is above 1 there, and an eigenvalue may pass through infinity."
 )
 KINDS = {
     "pitchfork": "a pitchfork",
@@ -101,7 +109,8 @@ def boundaries(
     the imaginary axis, or a single crossing.  An empty result that is complete states that the
     verdict, which is `.throughout`, does not change, but at the single values in `.touching`.
     Pieces without such a proof are scanned.  The result then says where a change is not excluded,
-    and a `StabilityWarning` repeats this.
+    and a `StabilityWarning` repeats this.  A Python function is scanned by floats: each point says
+    so, and the result is never complete.
 
     Parameters
     ----------
@@ -158,10 +167,16 @@ def boundaries(
     problem, (grid,) = swept(
         family, {"axis": axis}, disk, body, contact, at, parameters, exact=True, most=MOST_SCAN
     )
+    numeric = isinstance(problem.family.system, NumericSystem)
     if every:
-        crossings = _described(problem, grid, every_along(problem, grid))
+        search = float_crossings if numeric else every_along
+        crossings = _described(problem, grid, search(problem, grid))
         crossings.warn(grid.name)
         return crossings
+    if numeric:
+        scanned = _described(problem, grid, float_boundaries(problem, grid))
+        scanned.warn(grid.name)
+        return scanned
     fixed = {n: float(v) for n, v in problem.values.items() if n != grid.name}
     changes = along(problem, grid.name, grid.low, grid.high, points=grid.count, log=grid.log)
 
@@ -192,15 +207,33 @@ def every_along(problem: Problem, grid: Axis) -> Crossings:
 
 def _described(problem: Problem, grid: Axis, result: Points) -> Points:
     """A result with what was searched, units, and what to cite."""
+    if problem.family.system.algebraic:
+        fixed = {n: float(v) for n, v in problem.values.items() if n != grid.name}
+        line = AxisScan(problem, grid.name, fixed)
+        left = tuple(_singularity_named(line, part) for part in result.unresolved)
+        result = replace(result, unresolved=left)
     law = problem.law.name if problem.law else None
+    proofs = not isinstance(problem.family.system, NumericSystem)
     return replace(
         result,
         how=problem.family.system.qualified(result.how),
         searched=(grid.name, grid.low, grid.high),
-        citation=cited(law, model=of_package(problem), proofs=True),
+        citation=cited(law, model=of_package(problem), eigenvalues=not proofs, proofs=proofs),
         unit=unit_of(axis_attributes(problem, grid.name)),
         rate_unit=unit_of(rate_attributes(problem)),
     )
+
+
+def _singularity_named(line: AxisScan, part: Unresolved) -> Unresolved:
+    """A piece with the reason that algebraic equations lose index 1 in it, where that is so."""
+    signs = set()
+    for end in (np.nextafter(part.low, -np.inf), np.nextafter(part.high, np.inf)):
+        with suppress(StabilityError, ArithmeticError), precision(BITS):
+            value = line.determinant(float(end))
+            signs |= {1} if value > 0 else {-1} if value < 0 else set()
+    if signs != {1, -1}:
+        return part
+    return part._replace(reason=SINGULAR.format(line.problem.family.system.name))
 
 
 def _good(

@@ -14,7 +14,9 @@ from ..base.errors import StabilityError
 from ..base.types import Floats, Progress
 from ..base.verdict import CODES, DECAYING, NO_MEMBER, Verdict
 from ..spectra.problem import Problem
+from ..systems.sources.numeric import NumericSystem
 from .brackets import AxisScan, BoundaryPoint, Crossing, refine
+from .by_floats import FloatScan
 from .curve_crossings import PlacedPoint, Turn, linked
 from .grid_edges import Edges, GridPolynomials, bracketed
 
@@ -186,10 +188,13 @@ class GridScans:
         self.fixed = {n: float(v) for n, v in problem.values.items()}
         self.polynomials = GridPolynomials(problem, (axes[0].name, axes[1].name))
 
-    def along(self, axis: int, other: float) -> AxisScan:
+    def along(self, axis: int, other: float) -> AxisScan | FloatScan:
         """The line along one axis at a value of the other."""
         names = self.axes[axis].name, self.axes[1 - axis].name
-        line = AxisScan(self.problem, names[0], self.fixed | {names[1]: other})
+        numeric = isinstance(self.problem.family.system, NumericSystem)
+        line = (FloatScan if numeric else AxisScan)(
+            self.problem, names[0], self.fixed | {names[1]: other}
+        )
         line.neutral = self.neutral
         return line
 
@@ -242,7 +247,10 @@ class GridScans:
                 low, high = float(edges.low[k]), float(edges.high[k])
                 if neutral and k in neutral and _along(line, neutral[k], ASIDE * (high - low)):
                     continue  # no bracket about that end exists
-                points[k] = refine(line, low, high)
+                if isinstance(line, FloatScan):
+                    points[k] = line.refined(low, high)
+                else:
+                    points[k] = refine(line, low, high)
             if done:
                 done(k)
         return [
@@ -275,7 +283,7 @@ class GridScans:
         return np.where(sign == 0, np.where(around > 0, 1.0, -1.0), sign)
 
 
-def _along(line: AxisScan, value: float, aside: float) -> bool:
+def _along(line: AxisScan | FloatScan, value: float, aside: float) -> bool:
     """Whether a line runs along a boundary at a point of it."""
     return not line.quick_sign(value - aside) and not line.quick_sign(value + aside)
 

@@ -31,6 +31,7 @@ from ..base.errors import StabilityError
 from ..base.types import Floats
 from ..polynomials.identities import certain, symmetric
 from ..spectra.problem import Problem, formulas_of
+from ..systems.sources.numeric import NumericSystem
 from ..systems.structure.structural_zeros import structure
 from .brackets import BoundaryPoint, Crossing
 
@@ -145,7 +146,7 @@ class GridPolynomials:
         family = self.problem.family
         if self.stored is not None:
             return True
-        if not certain(family):
+        if isinstance(family.system, NumericSystem) or not certain(family):
             return False
         return formulas_of(family) is not None or len(family.system.states) <= MOST_STATES
 
@@ -170,9 +171,11 @@ class GridPolynomials:
         """
         family = self.problem.family
         none = np.zeros(len(edges.axis), dtype=bool)
-        if not len(none) or self.stored is not None or formulas_of(family) is not None:
+        if not len(none) or self.stored is not None or not self.readable:
             return none
-        if family.closed or {*family.unknown} != {*family.system.states} or not self.readable:
+        if formulas_of(family) is not None or family.closed:
+            return none
+        if {*family.unknown} != {*family.system.states}:
             return none
         with suppress(StabilityError, ArithmeticError):
             low, high = (

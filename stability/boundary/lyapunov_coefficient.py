@@ -48,6 +48,7 @@ class DerivativePrograms:
     """Programs of a system, with inputs x and p and then directions in the state."""
 
     def __init__(self, system: Equations) -> None:
+        system.refuse_algebraic("a Lyapunov coefficient")
         self.system = system
         constants = Constants()
         entries = [ca.vertsplit(s) if s.numel() else [] for s in (system.x, system.p)]

@@ -326,6 +326,7 @@ def _single_resistance(argument: Any) -> Resistance:
 def _still(family: Family, small: str) -> Family:
     """The family of the equations in which the coefficient is 0."""
     system = family.system
+    system.refuse_algebraic("a slow flow")
     place = system.parameters.index(small)
     zero = [system.p[place]], [ca.SX(0)]
 

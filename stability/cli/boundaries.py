@@ -55,7 +55,7 @@ def run(options: argparse.Namespace) -> None:
         "high": axis[2],
         found.several: [
             {
-                name: value.word if name in ("crossing", "good") else value
+                name: value.word if name in ("crossing", "good", "evidence") else value
                 for name, value in vars(b).items()
             }
             for b in found

@@ -153,6 +153,9 @@ def _report(
     cells = ", ".join(f"{n} {word}" for word, n in counts.items() if n)
     wrote = " and ".join(map(path_text, targets.values()))
     lines = [f"{wrote}: {cells}; {record['boundary_points']} boundary points"]
+    if "evidence" in dataset.attrs:
+        record["evidence"] = dataset.attrs["evidence"]
+        lines[0] += f"; {dataset.attrs['evidence'].partition(':')[0]}"
     if options.certify:
         record |= {"certified": True, "proved_area": float(dataset.attrs["box_proved"])}
         lines[0] += f"; {dataset.attrs['box_comment']}"

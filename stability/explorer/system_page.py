@@ -137,6 +137,7 @@ def _without_inputs(
 
     A reader of a page could move such an input to where no member is.
     """
+    family.system.refuse_algebraic("a page")
     known_zero = steady_where(family, values)
     if known_zero is family:
         return family, dict(values), []

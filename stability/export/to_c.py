@@ -152,6 +152,7 @@ def dense(subject: Any, name: str | None = None) -> ca.Function:
     if isinstance(subject, NumericSystem):
         raise ParameterError(f"{subject.name} is a Python function; give a System with a graph.")
     if isinstance(subject, Equations):
+        subject.refuse_algebraic("C code")
         rates = ca.densify(subject.rhs)
         both = ca.cse([rates, ca.densify(ca.jacobian(subject.rhs, subject.x))])
         return ca.Function(

@@ -108,6 +108,7 @@ def _steady_problem(
     if float(start) == float(stop) or not np.isfinite([start, stop]).all():
         raise ParameterError(f"start is {start:g} and stop is {stop:g}; give two finite numbers.")
     _check(names, free, given)
+    family.system.refuse_algebraic("a continuation program")
     _isolated(family)
     numbers = {n: float(given[n]) for n in names if n != free} | {free: float(start)}
     values = np.array([numbers[n] for n in names])

@@ -113,6 +113,7 @@ def _graph_of(system: Equations) -> Equations:
         raise ParameterError(
             f"{system.name} is a Python function without formulas; give a System with a graph."
         )
+    system.refuse_algebraic("latex")
     return system
 
 

@@ -153,7 +153,8 @@ def plot_map(
         named = set() if unstable else _verdict_names(main, dataset)
         nameless = (nameless | _present(dataset.verdict.values)) - named
         key(rows[0], _handles(main, dataset, nameless), title)
-        note(rows[-1], _fixed(dataset))
+        how = str(dataset.attrs.get("evidence", "")).partition(":")[0]
+        note(rows[-1], "; ".join(filter(None, [_fixed(dataset), how])))
     return figure
 
 

@@ -13,10 +13,12 @@ import numpy as np
 
 from ..algebra.eigensolver import eigenvalues_alone
 from ..algebra.program import Program, entries
+from ..base.errors import DomainError
 from ..base.types import Floats, fields_of
 from ..bodies.contact_laws import Contact
 from ..bodies.model import Model
 from ..bodies.thin_disk import disk_model
+from ..systems.sources.numeric import NumericSystem
 from ..systems.system import System
 
 
@@ -322,4 +324,44 @@ def flow(law: str | type[Contact], *, pose: bool = False) -> Flow:
 @lru_cache(maxsize=64)
 def flow_of(model: Model) -> Flow:
     """The flow of a model; built once for each."""
-    return Flow(model)
+    return (NumericFlow if isinstance(model.system, NumericSystem) else Flow)(model)
+
+
+class NumericFlow(Flow):
+    """The flow of a numeric system: a Python function and its slopes by differences."""
+
+    def rates_at(self, y: Floats, p: Floats) -> Floats:
+        """dy/dt at many points, shapes (N, n) and (N, m) to (N, n)."""
+        return np.array([self.quick.rates(*both) for both in zip(p, y, strict=True)])
+
+    def jacobians(self, y: Floats, p: Floats) -> Floats:
+        """∂(dy/dt)/∂y at many points, shapes (N, n) and (N, m) to (N, n, n)."""
+        return np.array([self.quick.jacobian(*both) for both in zip(p, y, strict=True)])
+
+    @property
+    def quick(self) -> PointFunctions:
+        """The functions for one point at a time."""
+        return NumericPointFunctions(self)
+
+
+class NumericPointFunctions(PointFunctions):
+    """A numeric flow at one point; not finite where the function has no value there."""
+
+    def __init__(self, flow: Flow) -> None:
+        self.flow, self.guards = flow, 0
+        self._watch = None
+
+    def rates(self, p: Floats, y: Floats) -> Floats:
+        """dy/dt, shape (n,)."""
+        return self._asked("call", p, y, (len(y),))
+
+    def jacobian(self, p: Floats, y: Floats) -> Floats:
+        """∂(dy/dt)/∂y, shape (n, n)."""
+        return self._asked("slopes", p, y, (len(y), len(y)))
+
+    def _asked(self, what: str, p: Floats, y: Floats, shape: tuple[int, ...]) -> Floats:
+        try:
+            found: Floats = getattr(self.flow.system, what)(y, p)
+        except DomainError:
+            return np.full(shape, np.nan)
+        return found

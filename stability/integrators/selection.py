@@ -20,7 +20,7 @@ from ..base.types import Floats, Progress
 from ..base.version import install_line
 from ..jobs.pipeline import Counted, here, ordered, shared
 from . import taylor
-from .flow import ASKING, Evaluator, Flow
+from .flow import ASKING, Evaluator, Flow, NumericFlow
 from .lanes import ALONE, integrate_many
 from .leg import UNRESOLVED, Budget, End, Integrator, Leg, Path
 from .registry import PLACES
@@ -98,7 +98,12 @@ def check_method(method: str) -> str:
 
 def check_flow(method: str, flow: Flow) -> None:
     """Refuse an integrator that cannot read a flow, in one sentence."""
-    if method != "auto" and (why := METHODS[method].refuses(flow)):
+    if method == "auto":
+        return
+    why = METHODS[method].refuses(flow)
+    if isinstance(flow, NumericFlow) and "scipy" not in METHODS[method].works:
+        why = "which takes no Python function; give dop853, lsoda, radau, bdf, or leave it out"
+    if why:
         raise ParameterError(f"method is {method!r}, {why}.")
 
 
@@ -162,11 +167,18 @@ def explicit(flow: Flow | None = None) -> str:
 
 def _unfit(flow: Flow) -> str:
     """Why heyoka does not take a flow; empty where it does."""
+    if isinstance(flow, NumericFlow):
+        return "takes no Python function"
     if flow.length > COMPILED:
         return "is long in compiling the graph"
     if taylor.unread(flow):
         return "cannot read the graph"
     return ""
+
+
+def implicit(flow: Flow) -> str:
+    """The implicit method that `auto` takes for a flow."""
+    return "lsoda" if isinstance(flow, NumericFlow) else "cvodes"
 
 
 def choose(legs: Sequence[Leg]) -> list[Choice]:
@@ -183,13 +195,15 @@ def choose(legs: Sequence[Leg]) -> list[Choice]:
 
 def _choice(leg: Leg, name: str, turn: float, stiff: float) -> Choice:
     if stiff > turn:
-        return Choice("cvodes", f"stiffness {stiff:.3g} above {turn:.3g}: implicit is cheaper")
+        return Choice(
+            implicit(leg.flow), f"stiffness {stiff:.3g} above {turn:.3g}: implicit is cheaper"
+        )
     only = ""
     if name != HEYOKA and taylor.available():
         only = f", and heyoka {_unfit(leg.flow)}"
     elif name != HEYOKA:
         only = ", and heyoka is not installed"
-        if leg.tolerance > EXPLICIT_TIGHT:
+        if leg.tolerance > EXPLICIT_TIGHT and not isinstance(leg.flow, NumericFlow):
             name, only = "cvodes", ", but heyoka is not installed"
     why = f"stiffness up to {stiff:.3g}, below {turn:.3g}: explicit is cheaper{only}"
     return Choice(name, why)
@@ -215,7 +229,9 @@ def _patient(legs: Sequence[Leg], choices: Sequence[Choice]) -> list[Leg]:
         spans = lengths * legs[0].flow.paces(starts, p, lengths)
         most = 20_000 + PATIENCE * _turns(legs) * spans
     return [
-        leg if choice.method == "cvodes" else replace(leg, max_steps=int(min(_share(leg), steps)))
+        leg
+        if choice.method == implicit(leg.flow)
+        else replace(leg, max_steps=int(min(_share(leg), steps)))
         for leg, choice, steps in zip(legs, choices, most.tolist(), strict=True)
     ]
 
@@ -333,7 +349,8 @@ def _second(leg: Leg, first: Path, choice: Choice, most: int) -> tuple[Path, Cho
     gave_up = f"{choice.method} gave up at {end.time:.6g}"
     if first.seconds >= leg.seconds:
         return first, choice
-    other = "lsoda" if choice.method == "cvodes" else "cvodes"
+    other = "lsoda" if choice.method == "cvodes" else implicit(leg.flow)
+    other = "radau" if other == choice.method else other
     shared_steps = most < leg.max_steps and first.steps >= most == _share(leg)
     if shared_steps and not _stiff_at(leg, end):
         few = replace(leg, seconds=leg.seconds - first.seconds, max_steps=max(most // FEW, 1))

@@ -27,6 +27,8 @@ from ..spectra.problem import Problem
 from ..spectra.verdict_routes import BITS
 from ..storage.pieces import Chunk, Pieces
 from ..systems.graph.smoothness import edged
+from ..systems.sources.numeric import NumericSystem
+from .by_floats import FLOATS, NumericCells
 from .dataset import GRAPH, POLYNOMIAL, SINGLE
 from .engine import (
     LEFT,
@@ -88,12 +90,19 @@ class Cells:
         self.shape = axes[1].count, axes[0].count
         self.values: NDArray[np.complex128] | None = None
         self.modes, self.solver = modes, chosen()
-        self._by_graph = GraphCells(problem, modes, loops=may_sweep(axes, modes))
+        self._numeric = isinstance(problem.family.system, NumericSystem)
+        self._by_graph: GraphCells | NumericCells = (
+            NumericCells(problem, modes)
+            if self._numeric
+            else GraphCells(problem, modes, loops=may_sweep(axes, modes))
+        )
         if whole:
             self._make_room()
         self.handed_on = 0
         self.refusal = ""
         self._graph = GRAPH.replace("LAPACK", name_of(self.solver))
+        if self._numeric:
+            self._graph = FLOATS.replace("LAPACK", name_of(self.solver))
         if problem.exact is not None:
             self._graph += POLYNOMIAL
         self.bands = self._bands()
@@ -115,6 +124,8 @@ class Cells:
     def _bands(self) -> Bands | None:
         asked = self.problem, self.axes, self.modes
         stored = isinstance(self.problem.exact, TabulatedPolynomial)
+        if self._numeric:
+            return None
         if not stored and (not self.problem.plain or math.prod(self.shape) < LEAST):
             return None
         found = formula_cells(*asked) or slice_cells(*asked)
@@ -161,7 +172,7 @@ class Cells:
         """The same before anything is computed."""
         if self.bands is not None:
             return self.bands.how
-        single = self.problem.plain or bool(self.handed_on)
+        single = (self.problem.plain and not self._numeric) or bool(self.handed_on)
         return self._graph + SINGLE * (single and self.problem.exact is None)
 
     def key(self) -> dict[str, Any]:
@@ -177,6 +188,7 @@ class Cells:
             "values": {n: float(v) for n, v in self.problem.values.items() if n not in swept},
             "modes": self.values is not None,
             **({"anchor": repr(family.anchor)} if family.anchor else {}),
+            **({"algebraic": some} if (some := [*family.system.algebraic]) else {}),
             "chunk": self.chunk,
             "route": self._graph if self.bands is None else self.bands.how,
         }
@@ -240,6 +252,8 @@ class Cells:
 
     def _settled(self, codes: Any, grid: Grid, *, certify: bool) -> None:
         """Decide each, or all by a user's polynomial; without one few, at low precision."""
+        if self._numeric:
+            return
         self._look_at_zeros(codes, grid)
         if certify or (self.problem.exact is not None and not self.complete):
             self._settle(codes, grid, len(codes), None)

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..base.citation import cited, joined
 from ..base.types import Floats
-from ..base.verdict import NO_MEMBER
+from ..base.verdict import NO_MEMBER, Evidence
 from ..boundary.two_parameters.point_records import (
     CodimensionTwo,
     DegeneratePoint,
@@ -26,7 +26,8 @@ from ..spectra.labels import (
 )
 from ..spectra.problem import Problem
 from ..storage.datasets import labelled
-from ..systems.structure.structural_zeros import structure
+from ..systems.sources.numeric import NumericSystem
+from ..systems.structure.structural_zeros import Structure, structure
 
 if TYPE_CHECKING:
     import xarray
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
     from .boxes import Boxes
 
 
+BY_FLOATS = Evidence.BY_FLOATS
 KINDS = {kind: code for code, kind in enumerate(PointKind)}
 """Flag value of each kind in files."""
 OTHERS = {"open": 0, "stable": 1, "unstable": -1}
@@ -189,7 +191,8 @@ def provenance(problem: Problem, axes: tuple[Axis, Axis], route: str) -> dict[st
     family = problem.family
     swept = {g.name for g in axes}
     fixed = {n: v for n, v in problem.values.items() if n not in swept}
-    how = structure(family)
+    numeric = isinstance(family.system, NumericSystem)
+    how = Structure(0, False, "a Python function has none", True) if numeric else structure(family)
     if family.conservative:
         route += "; conservative law, decided by the sign of λ²"
     law = problem.law.name if problem.law else None
@@ -197,14 +200,19 @@ def provenance(problem: Problem, axes: tuple[Axis, Axis], route: str) -> dict[st
         problem,
         fixed,
         citation=cited(
-            law, model=of_package(problem), eigenvalues=route.startswith(GRAPH), proofs=True
+            law,
+            model=of_package(problem),
+            eigenvalues=route.startswith((GRAPH, "eigenvalues of numerical")),
+            proofs=not numeric,
         ),
         axes=" ".join(g.text for g in axes),
         structural_zeros=how.zeros,
         structural_zeros_how=how.how,
         method=route,
         tolerances="verdicts only where the error discs decide; each boundary point is a "
-        "bracket of half-width boundary_error proved in ball arithmetic (Routh's array)",
+        "bracket of half-width boundary_error "
+        + (BY_FLOATS.value if numeric else "proved in ball arithmetic (Routh's array)"),
+        **({"evidence": BY_FLOATS.value} if numeric else {}),
     )
 
 
@@ -277,9 +285,13 @@ def coordinates(problem: Problem, axes: tuple[Axis, Axis]) -> dict[str, tuple[st
 def cell_attributes(problem: Problem, *, missing: bool) -> dict[str, dict[str, Any]]:
     """Attributes of the variables that have a number in each cell, by name."""
     words, flags = rate_attributes(problem), verdict_attributes()
+    error = "error bound of abscissa"
+    if isinstance(problem.family.system, NumericSystem):
+        flags["long_name"] += f", {BY_FLOATS.word}"
+        error = "estimated error of abscissa, by floats"
     return {
         "abscissa": words | {"long_name": "largest growth rate"},
-        "abscissa_error": words | {"long_name": "error bound of abscissa"},
+        "abscissa_error": words | {"long_name": error},
         "frequency": words
         | {"long_name": "frequency of the eigenvalue with the largest real part"},
         "verdict": _with_no_member(flags) if missing else flags,
@@ -313,6 +325,9 @@ def _boundary_variables(
     from ..boundary.curves import KINDS
 
     d = ("boundary_point",)
+    bracket = "half-width of the proved bracket"
+    if isinstance(problem.family.system, NumericSystem):
+        bracket = f"half-width of the bracket, {BY_FLOATS.word}"
     kinds = flag_attributes(
         {k.word: code for k, code in KINDS.items()},
         comment="; ".join(str(k.value) for k in KINDS),
@@ -329,7 +344,7 @@ def _boundary_variables(
             d,
             curves.error,
             {
-                "long_name": "half-width of the proved bracket, in the unit of boundary_axis; "
+                "long_name": f"{bracket}, in the unit of boundary_axis; "
                 "where curves cross, distance at which verdicts alternate"
             },
         ),

@@ -19,6 +19,7 @@ from ..boundary.curves import trace
 from ..spectra.axes import swept
 from ..storage.pieces import Checkpoint
 from ..systems.family import Family
+from ..systems.sources.numeric import NumericSystem
 from .boxes import MOST_LEVELS, prove_boxes
 from .cells import Cells
 from .sheets import sheet_box, sheet_counts
@@ -57,6 +58,8 @@ def stability_map(
     **parameters: ArrayLike,
 ) -> xarray.Dataset:
     """Abscissa, verdict and the boundaries between verdicts over two parameters.
+
+    Maps of Python functions are by floats, not proved, as their attribute `evidence` says.
 
     Parameters
     ----------
@@ -156,6 +159,8 @@ def stability_map(
     check_pool(executor, workers, progress)
     problem, (across, up) = swept(family, {"x": x, "y": y}, disk, body, contact, at, parameters)
     axes = across, up
+    if certify and isinstance(problem.family.system, NumericSystem):
+        raise ParameterError(problem.family.system.no_graph)
     box = None if box is None else sheet_box(problem.family, box)
     if (total := axes[0].count * axes[1].count) > MOST_CELLS:
         raise ParameterError(

@@ -176,7 +176,9 @@ def _store(
 ) -> Store:
     """The store of a map; equal maps have equal files, so it holds no date."""
     attrs = {n: v for n, v in provenance(problem, axes, method).items() if n != "created"}
-    graph = hashlib.sha256(str(problem.family.system.rhs).encode()).hexdigest()
+    system = problem.family.system
+    text = " ".join([str(system.rhs), *system.algebraic])
+    graph = hashlib.sha256(text.encode()).hexdigest()
     question = {"equations": graph, "anchor": repr(problem.family.anchor), **more}
     chunks: Any = format_to_write(target, "chunks").chunks
     store: Store = chunks(

@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..base.verdict import CODES, DECAYING, Verdict
+from ..base.verdict import CODES, DECAYING, Evidence, Verdict
 from ..boundary.brackets import AxisScan
 from ..boundary.every_crossing import unstable_at
+from ..systems.sources.numeric import NumericSystem
 from .cells import CHUNK, MOST_SETTLED, Cells
 
 NONE = [CODES[v] for v in (*DECAYING, Verdict.NEUTRAL)]
@@ -29,8 +30,10 @@ def unstable_variable(cells: Cells, *, certify: bool) -> dict[str, Any]:
         Whether each cell that discs leave open is counted in balls, or few.
     """
     counts = _counts(cells, certify=certify)
+    numeric = isinstance(cells.problem.family.system, NumericSystem)
+    how = Evidence.BY_FLOATS.word if numeric else "proved"
     comment = (
-        "proved; zeros by structure do not count; -1 where the number is not proved, in "
+        f"{how}; zeros by structure do not count; -1 where the number is not known so, in "
         f"{int((counts < 0).sum())} of {counts.size} cells"
     )
     words = {"long_name": "number of unstable eigenvalues", "units": "1", "comment": comment}
@@ -48,6 +51,8 @@ def _counts(cells: Cells, *, certify: bool) -> NDArray[np.int16]:
         counts[some] = cells.unstable(some)
     across, up = cells.axes
     left = asked[counts[asked] < 0]
+    if isinstance(cells.problem.family.system, NumericSystem):
+        return counts
     for cell in left if certify or len(left) <= MOST_SETTLED else ():
         i, j = divmod(int(cell), across.count)
         swept = {across.name: across.values[j], up.name: up.values[i]}

@@ -42,13 +42,15 @@ LARGEST = 1e100
 """Largest state and rate of a start: the norms of step control overflow only far above."""
 
 
-def moving(first: Any, body: Any = None) -> Moving:
+def moving(first: Any, body: Any = None, *, numeric: bool = False) -> Moving:
     """What moves: the first argument of a call, or `body`, or else the uniform disk.
 
     Parameters
     ----------
     first, body
         As for `simulate`.
+    numeric
+        Whether a numeric system is accepted.
 
     Raises
     ------
@@ -64,7 +66,9 @@ def moving(first: Any, body: Any = None) -> Moving:
             )
         return body
     if isinstance(first, NumericSystem):
-        raise ParameterError(first.no_graph)
+        if not numeric:
+            raise ParameterError(first.no_graph)
+        return first  # type: ignore[return-value]  # it has the face that motions ask for
     if first is not None and not isinstance(first, (Disk, Body, System)):
         raise ParameterError(f"disk is {shown(first)}; give a stability.Disk, a Body or a System.")
     return Disk() if first is None else first
@@ -90,7 +94,7 @@ def launches_of(
     StabilityError
         In one sentence, if something is not accepted.
     """
-    gather: Any = gather_system if isinstance(mover, System) else gather_round
+    gather: Any = gather_round if isinstance(mover, Disk | Body) else gather_system
     starts: Starts = gather(mover, contact, start, times, **more)
     return starts
 

@@ -186,7 +186,7 @@ def simulate(
         executor,
     )
     settings.refuse()
-    mover = moving(disk, body)
+    mover = moving(disk, body, numeric=True)
     with CASADI:  # calls from several threads take turns; a batch uses its own threads
         launches = launches_of(
             mover,

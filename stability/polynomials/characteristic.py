@@ -166,9 +166,16 @@ class CharacteristicPolynomial:
         return [self.element(row[0]) for row in self.rows(self.family.graph.residual)]
 
     @cached_property
+    def determinant(self) -> Expression | None:
+        """The determinant of algebraic equations, which is not zero at a member; None without."""
+        if not self.family.system.algebraic:
+            return None
+        return self.element(self.rows(self.family.graph.determinant)[0][0])
+
+    @cached_property
     def bound(self) -> set[int]:
         """Indices of the unknowns, and of the functions of them."""
-        _ = self.matrix, self.conditions, self.equations  # each brings functions
+        _ = self.matrix, self.determinant, self.conditions, self.equations  # each brings functions
         return {i for i in (*self.places, *self.field.meaning) if self.field.uses(i) & self.places}
 
     @cached_property
@@ -177,6 +184,9 @@ class CharacteristicPolynomial:
         bound, numerators = self.bound, [e.num for e in self.equations]
         system = Triangular(self.field, numerators, bound, self.vanishes)
         system.settle()
+        if self.determinant is not None:
+            # a factor of it may cancel in the linearisation, and index 1 is lost all the same
+            system.nonzero.append(self.field.reduced(system.value(self.determinant).num))
         return system
 
     @property

@@ -276,7 +276,7 @@ class FreePolynomial(CharacteristicPolynomial):
         with suppress(ArithmeticError):
             rates = self.rows(family.graph.rates)
             if all(i in solved or self.zero(rates[i][0]) for i in family.resting):
-                return family.tangents + len(family.left_out)
+                return family.tangents + len(family.idle)
         return 0
 
 
@@ -295,7 +295,7 @@ def identity(family: Family) -> Identity:
         free, sampled = FreePolynomial(family), structure(family)
         tangents = free.tangents
         zeros, even = _zero_pattern(free.matrix, free.zero, (sampled.zeros, sampled.even))
-    zeros = max(zeros, tangents, sparse_zeros(places), len(family.left_out))
+    zeros = max(zeros, tangents, sparse_zeros(places), len(family.idle))
     return Identity(zeros, even or mirrored(places))
 
 

@@ -54,7 +54,7 @@ def most_power(family: Family, zeros: int) -> int:
     >>> most_power(st.Family(chain, "rest", at=("p",), held={"x": 0, "v": 0, "z": 0}), 2)
     1
     """
-    count = zeros - len(family.left_out)
+    count = zeros - len(family.idle)
     if count < 2:
         return 0
     sizes = kernels(family, count)
@@ -73,10 +73,10 @@ def kernels(family: Family, count: int) -> tuple[int, ...]:
     count
         Number of zero eigenvalues of A.
     """
-    sizes = [_sparse(stored(family)[np.ix_(family.resting, family.resting)])] * count
+    sizes = [_sparse(stored(family)[np.ix_(family.kept, family.kept)])] * count
     with suppress(ArithmeticError, StabilityError):
         free = FreePolynomial(family)
-        directions = free.tangents - len(family.left_out)
+        directions = free.tangents - len(family.idle)
         matrix = kept_block(family, free.matrix)
         constant = constant_kernels(matrix, free.zero)
         least = max(directions, _sparse(nonzero(matrix, free.zero)), sizes[0])
@@ -128,7 +128,7 @@ def typical(family: Family, *, even: bool) -> Verdict:
     with suppress(NoMemberError), precision(SAMPLE_BITS):
         place = [point[:cut], ball_unknowns(family, point[:cut], point[cut:]), point[cut:]]
         kept = kept_block(family, family.graph.matrix.dense(balls(), place))
-        if proved_power(kept, zeros - len(family.left_out)):
+        if proved_power(kept, zeros - len(family.idle)):
             return Verdict.DRIFTING
     return Verdict.UNDECIDED
 
@@ -149,7 +149,7 @@ def zero_power(member: Member, zeros: int) -> int | None:
         0 where the zeros are proved to be semisimple; the power where it is proved, or, in balls,
         a lower bound; None where nothing is proved.
     """
-    count = zeros - len(member.family.left_out)
+    count = zeros - len(member.family.idle)
     if semisimple(member.family, zeros):
         return 0
     for reading in READINGS:
@@ -183,7 +183,7 @@ def proved_power(kept: Rows, count: int) -> int:
 
 def kept_block(family: Family, matrix: Rows) -> list[list[Any]]:
     """The entries of a linearisation between states that the family keeps."""
-    return [[matrix[i][j] for j in family.resting] for i in family.resting]
+    return [[matrix[i][j] for j in family.kept] for i in family.kept]
 
 
 def _powers(matrix: Rows, count: int) -> Any:

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from ..base.errors import ParameterError, StabilityError
 from ..base.types import Floats
 from ..systems.family import Family
+from ..systems.sources.numeric import NumericSystem
 from .line import FamilyLine
 from .settling import Settling
 
@@ -63,6 +64,8 @@ def _line(family: Family) -> FamilyLine:
             "its members are found by a root-finder along "
             f"{', '.join(along)}, and convergence to those is not proved"
         )
+    if isinstance(system, NumericSystem):
+        reason = "by floats convergence to it is not proved"
     return FamilyLine(
         family.name,
         system,  # type: ignore[arg-type]  # motions are of systems with a graph

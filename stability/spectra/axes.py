@@ -18,6 +18,7 @@ from ..bodies.quantities import PHYSICAL
 from ..bodies.round_body.body import Body
 from ..bodies.subject import NONE, Subject, refuse_unknown, subject_of
 from ..systems.family import Family
+from ..systems.sources.numeric import NumericSystem
 from ..systems.structure.structural_zeros import steady_where
 from .problem import Problem, disk_roundings, problem_of
 
@@ -141,7 +142,7 @@ def along_axes(subject: Subject, axes: Sequence[Axis], *, exact: bool = False) -
     held = {n: v for n, v in problem.values.items() if n not in others}
     axis_values = {g.name: g.values for g in axes}
     ratios = {n: r for n, r in problem.ratios.items() if n not in names}
-    if problem.plain:
+    if problem.plain and not isinstance(problem.family.system, NumericSystem):
         problem = replace(problem, family=steady_where(problem.family, held))
     middles = {n: _middle(v) for n, v in axis_values.items()}
     problem = replace(problem, values=held | middles, ratios=ratios)

@@ -161,7 +161,7 @@ def in_balls(family: Family, a: Balls, q: Balls) -> Verdict | None:
         return verdict
     place = [list(a), ball_unknowns(family, a, q), list(q)]
     matrix = family.graph.matrix.dense(balls(), place)
-    drifts = proved_power(kept_block(family, matrix), zeros - len(family.left_out)) > 0
+    drifts = proved_power(kept_block(family, matrix), zeros - len(family.idle)) > 0
     return Verdict.DRIFTING if drifts else None
 
 

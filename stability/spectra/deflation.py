@@ -61,11 +61,11 @@ def drift_powers(
     'drifting'
     """
     powers = np.zeros(len(a), dtype=np.int8)
-    count = zeros - len(family.left_out)
+    count = zeros - len(family.idle)
     with np.errstate(all="ignore"):
         matrix, error = tracked_matrix(family, a, q, u, roundings)
-        if family.left_out:  # the other states are a system of their own
-            kept = np.array(family.resting, dtype=np.intp)
+        if family.idle:  # the other states are a system of their own
+            kept = np.array(family.kept, dtype=np.intp)
             pick = np.ix_(np.arange(len(a)), kept, kept)
             matrix, error = matrix[pick], error[pick]
         n = matrix.shape[-1]
@@ -213,7 +213,7 @@ def _linearised(family: Family, read: Reader, count: int, zeros: int, watch: boo
     steps: list[Deflation] = []
     sound: list[NDArray[np.bool_]] = []
     states = list(family.system.states)
-    for name in family.left_out[:zeros]:  # no other rate depends on it: no rounding at all
+    for name in family.idle[:zeros]:  # no other rate depends on it: no rounding at all
         matrix, error = _dropped(matrix, error, states.index(name), steps)
         states.remove(name)
         sound.append(np.ones(count, dtype=bool))

@@ -583,7 +583,7 @@ class Spectrum(Record):
     def nonlinear(self) -> Any:
         """`Nonlinear`, or an object array of them, shape (…): behaviour of the nonlinear motion."""
         # states left out name no member: the motion of the others is a system of its own
-        explained = self.family.tangents + len(self.family.left_out)
+        explained = self.family.tangents + len(self.family.idle)
         harmless = self.structural_zeros == explained
         stable = Nonlinear.ASYMPTOTIC if harmless else Nonlinear.OPEN
         if self.family.drifts:
@@ -673,10 +673,14 @@ class Spectrum(Record):
         grown = self.growth(index)
         block = f"zeros form a Jordan block, a disturbance {grown}" if grown else ""
         ignored = f"{left} {'are' if ',' in left else 'is'} ignorable" if left else ""
+        solved = ", ".join(self.family.system.algebraic)
+        solved = f"one zero each for the algebraic variables {solved}" if solved else ""
         certain = self.symmetric and certified and not self.family.conservative
         fit = self.family.system.approximation
         symmetric = "symmetric under λ → -λ by structure" if certain else ""
-        return "; ".join([*parts, *filter(None, [block, symmetric, ignored, self.note, fit])])
+        return "; ".join(
+            [*parts, *filter(None, [block, symmetric, ignored, solved, self.note, fit])]
+        )
 
     @cached_property
     def modes(self) -> Modes:

@@ -1,13 +1,10 @@
-"""`spectrum`: from a family's name, a disk and a contact law to eigenvalues and a verdict.
-
-A numeric system, which is a Python function, has a numerical derivative and discs without proof.
-"""
+"""`spectrum`: from a family's name, a disk and a contact law to eigenvalues and a verdict."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -16,9 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..algebra.eigensolver import chosen
 from ..algebra.running_error import UNIT
-from ..algebra.upright import Upright
 from ..base.checks import flag
-from ..base.errors import DomainError, NoMemberError, ParameterError, listing
+from ..base.errors import DomainError, NoMemberError, ParameterError
 from ..base.types import Complexes, Floats
 from ..base.verdict import CODES, Verdict
 from ..bodies.contact_laws import Contact
@@ -27,10 +23,11 @@ from ..bodies.round_body.body import Body
 from ..bodies.subject import subject_of
 from ..polynomials.zero_blocks import semisimple
 from ..systems.family import Family
-from ..systems.sources.numeric import Derivative, NumericSystem
+from ..systems.sources.numeric import NumericSystem
 from ..systems.structure.structural_zeros import structure
 from .deflation import MemberNumbers, Reduced, drift_powers, drifting
 from .eigenvalues import Eigenpairs, decide, eigenvalues
+from .numeric import numeric_spectrum
 from .problem import Problem, broadcast_shape, problem_of
 from .result import NOT_ASKED, Spectrum, SpectrumProof
 
@@ -41,153 +38,6 @@ if TYPE_CHECKING:
 
 UNDECIDED = CODES[Verdict.UNDECIDED]
 """Flag value of that verdict."""
-NOTE = (
-    "not proved: the linearisation is a numerical derivative of a Python function, and the discs "
-    "rest on an estimate of its error"
-)
-MOST_STEPS = 50
-"""Largest number of Newton steps."""
-STEADY = 1e-10
-"""Largest rate that counts as zero, in units of the linearisation."""
-
-
-@dataclass(frozen=True, eq=False)
-class NumericPlace(MemberNumbers):
-    """Members of a family of a numeric system, with the linearisation that is known there."""
-
-    derivative: Reduced
-    """Numerical derivative and its estimated error."""
-
-    def reduced(self, family: Family, zeros: int, *, watch: bool = False) -> Reduced:  # noqa: ARG002
-        """The linearisation; a numeric system has no structural zeros."""
-        return self.derivative
-
-
-def numeric_spectrum(problem: Problem, system: NumericSystem, *, certify: bool) -> Spectrum:
-    """The spectrum of a numeric system, with discs from the estimated error of its derivative.
-
-    Parameters
-    ----------
-    problem
-        Family with values.
-    system
-        The family's system.
-    certify
-        Whether a proof is asked for, which is refused.
-
-    Returns
-    -------
-    Spectrum
-
-    Raises
-    ------
-    ParameterError
-        If a proof is asked for.
-    NoMemberError
-        If Newton's method does not converge, or the motion is not steady.
-    """
-    if certify:
-        raise ParameterError(system.no_graph)
-    family = problem.family
-    a, q, rate, shape = problem.arrays(problem.values)
-    members = [_member(family, system, a[i], q[i]) for i in range(len(a))]
-    states, matrices, errors, unknowns = (np.array(part) for part in zip(*members, strict=True))
-    reduced = Reduced(matrices, errors, [], np.zeros(len(a), dtype=np.intp))
-    values, radius, pairs = eigenvalues(reduced, even=False)
-    n = states.shape[1]
-    roundings = (0,) * (a.shape[1] + q.shape[1])
-    place = NumericPlace(a, q, unknowns.reshape(len(a), -1), rate, roundings, reduced)
-    return Spectrum(
-        family,
-        a.reshape(*shape, -1),
-        values.reshape(*shape, n),
-        radius.reshape(*shape, n),
-        0,
-        decide(values, radius, even=False).reshape(shape),
-        states.reshape(*shape, n),
-        place,
-        rate.reshape(shape),
-        np.ones((*shape, n)),
-        note=NOTE,
-        pairs=pairs,
-        solver=chosen(),
-        values=dict(problem.values),
-    )
-
-
-def _member(
-    family: Family, system: NumericSystem, a: Floats, q: Floats
-) -> tuple[Floats, Floats, Floats, Floats]:
-    """State, linearisation, its estimated error, and unknowns of one member."""
-    values = dict(zip((*family.at, *family.parameters), (*a, *q), strict=True))
-    p = np.array([values[n] for n in system.parameters], dtype=float)
-    x = np.array([_value(family, values, n) for n in system.states])
-    where = [system.index(n) for n in family.unknown]
-    rows = [system.index(n) for n in family.equations]
-    doubt = np.zeros_like(x)
-    if where:
-        doubt[where] = np.abs(_solve(family, system, x, p, where, rows, values))
-    derivative = system.derivative(x, p)
-    rates = np.abs(system.call(x, p))
-    scale = 1 + np.abs(derivative.value).max() * (1 + np.abs(x).max())
-    if not (rates <= STEADY * scale).all():
-        worst = int(rates.argmax())
-        raise NoMemberError(
-            f"{family.name} is not steady: {system.states[worst]} still changes at "
-            f"{rates[worst]:.2g} at {listing(tuple(values), list(values.values()))}; add its rate "
-            "to the family's equations, or give what is held to all its digits."
-        )
-    # a root is known to its last Newton step; the derivative moves with it
-    moved = (
-        system.derivative(x + 2 * doubt, p)
-        if where
-        else Derivative(derivative.value, 0 * derivative.value)
-    )
-    error: Floats = derivative.error + np.abs(derivative.value - moved.value)
-    return x, derivative.value, np.asarray(error), x[where]
-
-
-def _value(family: Family, values: dict[str, float], name: str) -> float:
-    if name in values:
-        return float(values[name])
-    if name in family.unknown:
-        return float(family.unknown[name])
-    held = family.held[name]
-    return np.pi / 2 if isinstance(held, Upright) else float(held)
-
-
-def _solve(
-    family: Family,
-    system: NumericSystem,
-    x: Floats,
-    p: Floats,
-    where: list[int],
-    rows: list[int],
-    values: dict[str, float],
-) -> Floats:
-    """Newton's method on the unknowns within x; returns the last step."""
-    step: Floats = np.full(len(where), np.inf)
-    for _ in range(MOST_STEPS):
-        slope = system.derivative(x, p).value[np.ix_(rows, where)]
-        try:
-            new: Floats = np.asarray(-np.linalg.solve(slope, system.call(x, p)[rows]))
-        except np.linalg.LinAlgError:
-            break
-        done = np.abs(new).max() <= 1e-13 * (1 + np.abs(x[where]).max())
-        if done or (np.abs(new).max() <= 1e-9 and np.abs(new).max() >= np.abs(step).max() / 2):
-            step = new
-            good = all(x[system.index(n)] > 0 for n in family.positive)
-            if good:
-                return step
-            break
-        x[where] += new
-        step = new
-    raise NoMemberError(
-        f"{family.name} has no member that Newton's method reaches at "
-        f"{listing(tuple(values), list(values.values()))}; choose another point or another guess."
-    )
-
-
 PIECE = 2**20
 """Largest number of linearisation entries in one piece, so that 80 MB are enough."""
 MOST_VALUES = 10**8
@@ -431,7 +281,7 @@ def spectrum(
     )
     problem = problem_of(subject)
     if isinstance(problem.family.system, NumericSystem):
-        return numeric_spectrum(problem, problem.family.system, certify=certify)
+        return numeric_spectrum(problem, certify=certify)
     rows = Rows(problem, exact=certify or escalate)
     resolved, shape, rate = problem.family, rows.shape, rows.place.rate
     # rounding of the product with the unit

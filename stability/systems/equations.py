@@ -18,11 +18,18 @@ from numpy.typing import ArrayLike, NDArray
 from ..algebra.program import Program, entries
 from ..algebra.switches import by_signs
 from ..base.checks import broadcast, instance, known, real_numbers, rows
-from ..base.errors import DomainError, ParameterError, listing, shown
+from ..base.errors import DomainError, ParameterError, listed, listing, shown
 from ..base.quantities import Quantity
 from ..base.types import Record, content, fields_of
 from .constant_matrix import ConstantMatrix
-from .system_checks import check_implicit, check_system, expression, mapping, names
+from .system_checks import (
+    check_implicit,
+    check_system,
+    expression,
+    mapping,
+    names,
+    singular_parts,
+)
 
 
 class Portable:
@@ -157,6 +164,8 @@ class Equations(Portable, Record):
     """Names in words, symbols and kinds of a body's numbers, by name; empty for a user's system."""
     eliminated: bool = False
     """Whether the rates are those of mass and forcing, solved by CasADi, which rounds numbers."""
+    algebraic: tuple[str, ...] = ()
+    """States without a rate: their entry of rhs is an algebraic equation, which must vanish."""
     approximation: str = ""
     """Of what every proof speaks where the equations hold a fit; empty where they hold none."""
 
@@ -165,7 +174,7 @@ class Equations(Portable, Record):
         return f"<{type(self).__name__} {self.name}: {', '.join(said)}>"
 
     def __post_init__(self) -> None:
-        for what in ("states", "parameters", "unknowns"):
+        for what in ("states", "parameters", "unknowns", "algebraic"):
             object.__setattr__(self, what, names(what, getattr(self, what)))
         for what in ("observables", "units", "quantities"):
             object.__setattr__(self, what, mapping(what, getattr(self, what)))
@@ -235,7 +244,9 @@ class Equations(Portable, Record):
             Square matrix and column in x and p.
         unknowns
             Names of u: `d_STATE` for the rate of a state; other names are forces, or any variables
-            of algebraic equations that are linear in them (index 1).
+            of algebraic equations that are linear in them (index 1).  A rate whose column of mass
+            is zero does not exist: its state is algebraic, and as many rows of mass must be zero,
+            whose forcing then vanishes (index 1, nonlinear).
         rates
             Rates of the states that are not among the unknowns, expressions by state name.
         pivots
@@ -266,6 +277,7 @@ class Equations(Portable, Record):
         matrix = expression("mass", mass, len(sought), len(sought))
         right = expression("forcing", forcing, len(sought), 1)
         states = others.get("states", ())
+        algebraic, matrix, right, sought, given = singular_parts(matrix, right, sought, given)
         order = check_implicit(matrix, sought, given, pivots, states)
         solution, values = eliminate(matrix, right, order)
         solved = dict(zip(sought, solution, strict=True))
@@ -283,12 +295,22 @@ class Equations(Portable, Record):
             ca.SX(rhs),
             observables=extra,
             conditions=conditions,
-            mass=matrix,
-            forcing=right,
+            mass=None if algebraic else matrix,
+            forcing=None if algebraic else right,
             unknowns=sought,
+            algebraic=algebraic,
             eliminated=True,
             **others,
         )
+
+    def refuse_algebraic(self, question: str) -> None:
+        """Refuse a question that takes every entry of rhs for a rate."""
+        if self.algebraic:
+            raise ParameterError(
+                f"{self.name} has algebraic equations, for {listed(self.algebraic)}, and "
+                f"{question} takes rates alone; solve them for their variables, or ask for "
+                "spectrum, boundaries or stability_map."
+            )
 
     @property
     def coefficients(self) -> ConstantMatrix | None:
@@ -332,6 +354,7 @@ class Equations(Portable, Record):
             self.unknowns,
             self.quantities,
             self.approximation,
+            self.algebraic,
             self.mass is None,
         )
         return (type(self), content(own), self._graph)

@@ -16,7 +16,15 @@ from ..algebra.polynomial import ExactPolynomial
 from ..algebra.program import entries
 from ..algebra.upright import Upright
 from ..base.checks import broadcast, instance, rows
-from ..base.errors import DomainError, NoMemberError, ParameterError, StabilityError, listing, shown
+from ..base.errors import (
+    DomainError,
+    NoMemberError,
+    ParameterError,
+    StabilityError,
+    listed,
+    listing,
+    shown,
+)
 from ..base.types import Floats, Record, fields_of
 from .closed_form import ClosedForm
 from .equations import Equations
@@ -24,6 +32,7 @@ from .graph.family_graph import FamilyGraph, Frame
 from .graph.ignorable import acting_on, hidden_pairs, ignorable, turned
 from .graph.smoothness import KINKED, REMOVABLE, edged, gap, sloped
 from .members import UNKNOWN, Anchor, Found, check_states, find, given_noise, rate_noise
+from .sources.numeric import NumericSystem, numeric_checked, numeric_search, numeric_states
 from .system_checks import check_family
 
 
@@ -149,6 +158,8 @@ class Family(Record):
         if self.anchor is not None:
             instance("anchor", self.anchor, Anchor, "take the family from System.steady")
         check_states(self)
+        if self.trimmed and isinstance(self.system, NumericSystem):
+            raise ParameterError(self.system.no_graph)
         for state in self.left_out:
             other = acting_on(self.system, state, self.named)
             if other:
@@ -190,6 +201,16 @@ class Family(Record):
     def resting(self) -> tuple[int, ...]:
         """Positions of the states whose rates vanish at a steady motion."""
         return tuple(i for i, n in enumerate(self.system.states) if n not in self.left_out)
+
+    @property
+    def idle(self) -> tuple[str, ...]:
+        """States that the linearisation does not act on: left out, or algebraic variables."""
+        return (*self.left_out, *self.system.algebraic)
+
+    @cached_property
+    def kept(self) -> tuple[int, ...]:
+        """Positions of the other states."""
+        return tuple(i for i, n in enumerate(self.system.states) if n not in self.idle)
 
     @property
     def fixed(self) -> dict[str, float | Upright]:
@@ -283,9 +304,14 @@ class Family(Record):
             If the equations have no meaning there.
         """
         a, u, q = tables(self, a, q, u)
+        if isinstance(self.system, NumericSystem):
+            return numeric_checked(self, a, u, q)
         states = self.states(a, u, q)
         given = self._system_parameters(a, u, q)
         self.system.check(states, given)
+        if not (fine := self._determined(a, u, q)).all():
+            i = int(np.argmin(fine))
+            raise DomainError(self._undetermined(a[i], q[i]))
         try:
             require_steady(self, a, u, q, states)
             # a factor zero folds away in the family's graph, which may hide an overflow
@@ -309,6 +335,21 @@ class Family(Record):
 
     def _kinked(self, a: Floats, q: Floats) -> str:
         return f"{self._place(a, q)}: the rates of {self.system.name} {KINKED}"
+
+    def _determined(self, a: Floats, u: Floats, q: Floats) -> NDArray[np.bool_]:
+        """Whether algebraic equations determine their variables to first order."""
+        if not self.system.algebraic:
+            return np.ones(len(a), dtype=bool)
+        arguments = [entries(a), entries(u), entries(q)]
+        found = self.graph.determinant.arrays(arguments, a.shape[:1])[0][..., 0, 0]
+        return np.asarray(np.isfinite(found) & (found != 0))
+
+    def _undetermined(self, a: Floats, q: Floats) -> str:
+        return (
+            f"{self._place(a, q)}: the algebraic equations of {self.system.name} do not determine "
+            f"{listed(self.system.algebraic)} to first order, since det ∂g/∂y is 0 there (an index "
+            "above 1, or a singularity-induced point); take a member next to it."
+        )
 
     def matrix(self, a: Floats, u: Floats, q: Floats) -> Floats:
         """Linearisation ∂f/∂x at members.
@@ -387,6 +428,8 @@ class Family(Record):
         Found
         """
         a, _, q = tables(self, a, q)
+        if isinstance(self.system, NumericSystem):
+            return numeric_search(self, a, q, guess)
         possible, why = self._possible(a, q)
         first = np.array(list(self.unknown.values()))
         u = np.tile(first, (len(a), 1))
@@ -422,14 +465,21 @@ class Family(Record):
         Found
         """
         found = self.search(a, q)
+        if isinstance(self.system, NumericSystem):
+            return found
         good = found.good.copy()
         a_, u_, q_ = a[good], found.u[good], q[good]
         place = self.states(a_, u_, q_), self._system_parameters(a_, u_, q_)
         good[good] = self.system.valid(*place)
         valid = good.copy()
+        determined = np.ones(len(a), dtype=bool)
+        determined[found.good] = self._determined(a_, u_, q_)
         good[found.good] &= sloped(self.system, *place)
+        good &= determined
 
         def why(row: int) -> str:
+            if not determined[row]:
+                return self._undetermined(a[row], q[row])
             if valid[row]:
                 return self._kinked(a[row], q[row])
             place = listing((*self.at, *self.parameters), (*a[row], *q[row]))
@@ -452,6 +502,8 @@ class Family(Record):
             Shape (N, n).
         """
         a, u, q = tables(self, a, q, u)
+        if isinstance(self.system, NumericSystem):
+            return numeric_states(self, a, u)
         arguments = [entries(a), entries(u), entries(q)]
         out: Floats = self.graph.state.arrays(arguments, a.shape[:1])[0][..., 0]
         return out
@@ -574,18 +626,23 @@ def require_steady(family: Any, a: Floats, u: Floats, q: Floats, states: Floats)
     if over.any():
         row = int(np.argmax(over.any(axis=1)))
         which = int(np.argmax(np.where(over[row], np.abs(rates[row]), -1.0)))
+        state = family.system.states[which]
+        off = f"{state} still changes at"
+        if state in family.system.algebraic:
+            off = f"the algebraic equation of {state} is off by"
         raise NoMemberError(
             f"{family.name} at {listing(family.at, a[row])} is not steady: "
-            f"{family.system.states[which]} still changes at {abs(rates[row, which]):.3g}, and "
+            f"{off} {abs(rates[row, which]):.3g}, and "
             f"rounding accounts for {bound[row, which]:.1g} of that at most; "
-            f"{_remedy(family.system, family.system.states[which])}."
+            f"{_remedy(family.system, state)}."
         )
 
 
 def _remedy(system: Any, state: str) -> str:
     if state in ignorable(system):
         return "it is ignorable, so leave it out of the family"
-    return "add its rate to the family's equations, or give what is held to all its digits"
+    what = state if state in system.algebraic else "its rate"
+    return f"add {what} to the family's equations, or give what is held to all its digits"
 
 
 A_FAMILY = "give a stability.Family: system.steady(at, guess={…}), disk_family(…), body.family(…)"

@@ -53,7 +53,7 @@ def symmetric_family(family: Family, state: Floats, way: Floats) -> Family | Non
     Family or None
         None where no symmetry is proved that leaves the state in place and turns the direction.
     """
-    if set(family.equations) != set(family.unknown) or family.left_out or not family.anchor:
+    if set(family.equations) != set(family.unknown) or family.idle or not family.anchor:
         return None
     for images in islice(_matching(family, state, way), MOST_TRIED):
         if _commutes(family.system, images):

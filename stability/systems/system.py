@@ -39,6 +39,10 @@ class System(Equations):
         SI unit by the name of state, parameter or observable, for labels.
     mass, forcing, unknowns
         The implicit form mass · unknowns = forcing from which rhs was solved, or None.
+    algebraic
+        States y without a rate: their entries of rhs are algebraic equations g(x, y, p) = 0, which
+        must determine them to first order (det ∂g/∂y ≠ 0, index 1).  Spectra, boundaries and maps
+        are those of the finite eigenvalues of the pencil; each y counts as one structural zero.
 
     Raises
     ------
@@ -56,6 +60,15 @@ class System(Equations):
     ...                   states=("angle", "rate"), parameters=("g",))
     >>> pendulum.rates([0.5, 0.0], [9.81])
     array([ 0.        , -4.70316453])
+
+    A source E feeds a load of constant power through a coil: L ẋ = E - R x - y, 0 = x y - P.
+
+    >>> x, y, P = (ca.SX.sym(n) for n in "xyP")
+    >>> feeder = st.System("feeder", ca.vertcat(x, y), P, ca.vertcat(2 - x - y, x * y - P),
+    ...                    states=("current", "voltage"), parameters=("P",), algebraic=("voltage",))
+    >>> high = feeder.steady("P", guess={"current": 1.5, "voltage": 0.5, "P": 0.75})
+    >>> st.spectrum(high, at=0.75).eigenvalues.round(12)  # -R + P/x²
+    array([-0.66666667+0.j])
     """
 
     @property
@@ -175,9 +188,9 @@ class System(Equations):
     ) -> Equations:
         """A system from a CasADi function, live or from a file, or from a plain Python function.
 
-        A Python function makes a *numeric* system, which is no `System`: families and spectra take
-        it, with discs from an estimated error of a numerical derivative.  Everything that needs
-        the graph refuses it: proofs, boundaries, maps, motions.
+        A Python function makes a *numeric* system, which is no `System`.  Spectra, boundaries and
+        maps of its families are by floats, with an estimated error of a numerical derivative, and
+        say so; `simulate` integrates it.  Everything that needs the graph refuses it.
 
         Parameters
         ----------

@@ -11,7 +11,7 @@ import numpy as np
 from ..algebra.polynomial import ExactPolynomial
 from ..algebra.upright import Upright
 from ..base.checks import checked, flag, instance, known, one_number, rows
-from ..base.errors import NameUnknownError, ParameterError, absent, shown
+from ..base.errors import NameUnknownError, ParameterError, absent, listed, shown
 from ..base.types import Floats
 
 
@@ -120,6 +120,17 @@ def check_system(system: Any) -> None:
             f"rhs has {system.rhs.numel()} entries for {system.x.numel()} states; give one each."
         )
     expression("rhs", system.rhs, system.x.numel(), 1)
+    for state in system.algebraic:
+        known("algebraic", state, system.states)
+    if system.algebraic and system.mass is not None:
+        raise ParameterError("algebraic belongs to explicit rates; leave out mass and forcing.")
+    places = [system.states.index(n) for n in system.algebraic]
+    if places and ca.sprank(ca.jacobian(system.rhs, system.x)[places, places]) < len(places):
+        raise ParameterError(
+            f"the algebraic equations of {system.name} leave some of {listed(system.algebraic)} "
+            "open for all numbers (index above 1); differentiate them, or name other variables in "
+            "algebraic."
+        )
     symbols = ca.vertcat(system.x, system.p)
     limits = [("a condition", c.value) for c in system.conditions]
     for name, value in [("rhs", system.rhs), *system.observables.items(), *limits]:
@@ -182,6 +193,33 @@ def check_family(family: Any) -> None:
             f"exact is {shown(family.exact)}; give an object of a subclass of "
             "stability.ExactPolynomial."
         )
+
+
+def singular_parts(
+    mass: ca.SX, forcing: ca.SX, unknowns: tuple[str, ...], rates: Mapping[str, Any]
+) -> tuple[tuple[str, ...], ca.SX, ca.SX, tuple[str, ...], dict[str, Any]]:
+    """Algebraic states by zero columns of a mass matrix, and the rest without its zero rows.
+
+    Returns
+    -------
+    algebraic, mass, forcing, unknowns, rates
+        Each algebraic state has a zero row's forcing in place of a rate.
+    """
+    kept = ca.sparsify(mass).sparsity()
+    rows, columns = (sorted({*range(len(unknowns))} - {*some}) for some in kept.get_triplet())
+    gone = [j for j in columns if unknowns[j].startswith("d_")]
+    if not gone or len(columns) == len(unknowns):
+        return (), mass, forcing, unknowns, dict(rates)
+    if len(rows) != len(gone):
+        raise ParameterError(
+            f"mass has {len(gone)} zero columns, for {listed([unknowns[j] for j in gone])}, and "
+            f"{len(rows)} zero rows; give one algebraic equation for each."
+        )
+    algebraic = tuple(unknowns[j][2:] for j in gone)
+    here, there = ([i for i in range(len(unknowns)) if i not in some] for some in (rows, gone))
+    more = {n: forcing[i] for n, i in zip(algebraic, rows, strict=True)}
+    names_left = tuple(unknowns[j] for j in there)
+    return algebraic, mass[here, there], forcing[here], names_left, {**rates, **more}
 
 
 def check_implicit(

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..base.quantities import Kind
+from ..base.verdict import Evidence
 from ..boundary.brackets import Crossings
 from ..derivation.latex import symbol
 from .table import Column, Definition, Table, latex, word
@@ -89,6 +90,7 @@ def boundaries_table(points: Any, subject: str, axis: str, kinds: Mapping[str, A
     letter = (quantity.latex or quantity.symbol) if quantity else symbol(axis)
     form = "{:.15g}"
     every = isinstance(points, Crossings)
+    bound = "proved bound" if points.evidence is Evidence.PROVED else str(points.evidence)
     sides = (
         (
             Column("below", "unstable eigenvalues below", latex="n_{<}"),
@@ -102,7 +104,7 @@ def boundaries_table(points: Any, subject: str, axis: str, kinds: Mapping[str, A
     )
     columns = (
         Column("value", quantity.long_name if quantity else "the axis", unit, letter, form),
-        Column("error", "proved bound", unit, r"\pm", "{:.0e}", of=("value", form)),
+        Column("error", bound, unit, r"\pm", "{:.0e}", of=("value", form)),
         word("crossing", "what crosses the imaginary axis"),
         *sides,
         Column("frequency", "angular frequency there", rate, r"\omega", "{:.12g}"),

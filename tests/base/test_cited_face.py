@@ -167,6 +167,7 @@ REASONS = {
             "Nonlinear",
             "Crossing",
             "HopfKind",
+            "Evidence",
             "Onset",
             "PointKind",
             "Outcome",

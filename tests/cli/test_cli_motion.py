@@ -314,7 +314,11 @@ def test_a_system_without_families_runs_without_a_nearest_motion(
         ),
         ("number", ["--start", "q=1", "--time", "1"], "'number' is no system and no family of"),
         ("number", ["--start", "q=1", "--time", "1"], "these are alone, plain, rest, swing"),
-        ("plain", ["--start", "q=1", "--time", "1"], "a Python function gives numbers"),
+        (
+            "plain",
+            ["--start", "q=1", "--time", "1", "--method", "heyoka"],
+            "which takes no Python function; give dop853",
+        ),
     ],
 )
 def test_bad_launches_of_ones_own_system_get_one_sentence(

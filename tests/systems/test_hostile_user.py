@@ -31,7 +31,7 @@ OUTSIDE = spring(conditions=(st.Condition(X[0] - 1, "q is {value}"),))
 U, V = sp.symbols("u v")
 
 REFUSED: list[tuple[str, Callable[[], Any], str]] = [
-    ("numeric motion", lambda: st.simulate(BOX, {"c": 1}, [1, 0], 1.0), "box is a numeric system"),
+    ("numeric basins", lambda: st.basins(BOX, horizon=1.0), "box is a numeric system"),
     ("numeric scene", lambda: st.Scene(BOX, {"c": 1}, [1, 0], 1.0), "box is a numeric system"),
     ("numeric steady", lambda: BOX.steady("c", guess={"q": 0.0}), "box is a numeric system"),
     ("numeric ignorable", lambda: BOX.ignorable, "box is a numeric system"),

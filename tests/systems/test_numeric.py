@@ -97,10 +97,15 @@ def test_everything_that_needs_a_graph_is_refused_in_one_sentence() -> None:
     family = rest()
     asked: list[Callable[[], Any]] = [
         lambda: st.spectrum(family, at=0.5, g=9.81, c=0.2, certify=True),
-        lambda: st.boundaries(family, axis=("c", -1, 1, 20), at=0.5, g=9.81),
-        lambda: st.stability_map(family, x=("c", -1, 1, 4), y=("g", 1, 2, 4), at=0.5),
         lambda: st.stability_map(family, x=("c", -1, 1, 4), y=("g", 1, 2, 4), at=0.5, certify=True),
-        lambda: family.member([0.5], [9.81, 0.2]),
+        lambda: st.hopf(family, axis=("c", -1, 1, 20), at=0.5, g=9.81),
+        lambda: st.codimension_two(family, x=("c", -1, 1, 4), y=("g", 1, 2, 4), at=0.5),
+        lambda: st.conditions(family),
+        lambda: st.explore(family, at=0.5, g=9.81, c=0.2),
+        lambda: st.Scene(family.system, [9.81, 0.2, 0.5], [0.1, 0.0], 5.0),
+        lambda: st.basins(family.system, x=("q", 0, 1, 2), y=("v", 0, 1, 2), horizon=1.0),
+        lambda: family.system.equilibria({"q": (-1, 1), "v": 0.0}, g=9.81, c=0.2, T=0.5),
+        lambda: family.system.steady("T", guess={"q": 0.1}),
         lambda: st.branch(family, 0.0, 1.0, [9.81, 0.2]),
         lambda: family.system.rhs,
         lambda: family.system.x,

@@ -28,6 +28,7 @@ from ...algebra.program import Program
 from ...algebra.upright import Upright
 from ...base.errors import StabilityError
 from ..equations import Equations
+from .algebraic import without_algebraic
 from .constants import Constants, exact_numbers, rounded
 
 # --- slopes on the way ---
@@ -511,9 +512,25 @@ class FamilyGraph:
         if self.closed:
             values, slopes = at_guess
         self.rates = self._program("rates", values[: len(system.states)])
+        if system.algebraic:
+            slopes, determinant = self._without_algebraic(slopes)
+            self.determinant = self._program("determinant", determinant)
+            """Program of det ∂g/∂y, without its constant factors."""
         self.matrix: Program = self._program("matrix", slopes)
         self._equations(residual, self._numbers(guessed if self.closed else table, system.states))
         self._conditions(table)
+
+    def _without_algebraic(self, slopes: ca.SX) -> tuple[ca.SX, ca.SX]:
+        """The linearisation with all numbers as symbols and no column of algebraic variables."""
+        inputs = [*self._inputs, self._constants.column]
+        graph = Program(ca.Function("slopes", inputs, [slopes]))
+        symbols = [ca.vertsplit(s) if s.numel() else [] for s in inputs]
+        opened = ca.SX(*slopes.shape)
+        values = graph.run(self._constants.algebra(strict=True), symbols)[0]
+        for place, value in zip(graph.places[0], values, strict=True):
+            opened[place] = value
+        places = [self._system.index(n) for n in self._system.algebraic]
+        return without_algebraic(ca.sparsify(opened), places, self._constants.column)
 
     def _constant(self, table: Mapping[str, Any]) -> None:
         """The programs of a linear system at its origin."""

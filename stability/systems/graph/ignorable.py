@@ -141,7 +141,7 @@ def turned(system: Equations) -> tuple[str, ...]:
 @lru_cache(maxsize=64)
 def _ordered(system: Equations) -> tuple[tuple[str, ...], tuple[str, ...]]:
     known = influence(system)
-    out = known.guards | known.still
+    out = known.guards | known.still | np.isin(system.states, system.algebraic)
     order: list[int] = []
     groups: list[int] = []
     while True:  # next come the states that act on nothing but what is there already

@@ -1,4 +1,8 @@
-"""Numeric systems: a plain Python function of numbers, without a graph and so without proofs."""
+"""Numeric systems: a plain Python function of numbers, without a graph and so without proofs.
+
+Members of their families come from Newton's method with slopes by differences, each from the
+family's first guess.
+"""
 
 from __future__ import annotations
 
@@ -10,10 +14,19 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...algebra.running_error import UNIT
+from ...algebra.upright import Upright
 from ...base.checks import rows
-from ...base.errors import DomainError, ParameterError, shown
+from ...base.errors import (
+    DomainError,
+    NoMemberError,
+    ParameterError,
+    StabilityError,
+    listing,
+    shown,
+)
 from ...base.types import Floats, content
 from ..equations import Equations
+from ..members import Found
 from ..system_checks import check_names
 
 LEVELS = 12
@@ -24,6 +37,12 @@ SAFETY = 8.0
 """Factor on the estimated error of a derivative."""
 SECOND = 0.71
 """First step of the second estimate over that of the first."""
+NEWTON_STEP = 6e-6
+"""Step of the slopes in Newton's method over 1 or the state's size: the third root of rounding."""
+MOST_STEPS = 50
+"""Largest number of Newton steps."""
+STEADY = 1e-10
+"""Largest rate that counts as zero, in units of the linearisation."""
 KINK = 0.7
 """Least ratio of neighbouring second differences over their steps, where there is a kink."""
 
@@ -40,7 +59,7 @@ class Derivative(NamedTuple):
 
 
 class NumericSystem(Equations):
-    """Equations of motion as a Python function of arrays: spectra without proofs, and no more.
+    """Equations of motion as a Python function of arrays: answers by floats, without proofs.
 
     Parameters
     ----------
@@ -80,8 +99,8 @@ class NumericSystem(Equations):
         """The sentence of every refusal."""
         return (
             f"{self.name} is a numeric system: a Python function gives numbers and no graph, so "
-            "nothing about it can be proved; ask for its spectrum without certify, or write the "
-            "equations in CasADi or SymPy."
+            "nothing about it can be proved; ask for spectrum, boundaries, stability_map or "
+            "simulate by floats, or write the equations in CasADi or SymPy for more."
         )
 
     @property
@@ -130,6 +149,12 @@ class NumericSystem(Equations):
         if xs.ndim > 1 or ps.ndim > 1:
             raise ParameterError("a numeric system is linearised at one state at a time.")
         return self.derivative(xs, ps).value
+
+    def slopes(self, x: Floats, p: Floats) -> Floats:
+        """∂f/∂x by central differences of one step, to about ten digits, shape (n, n)."""
+        up, down, width = self._both_sides(x, p, NEWTON_STEP * np.maximum(1.0, np.abs(x))[None])
+        slopes: Floats = ((up - down) / width)[0].T
+        return slopes
 
     def call(self, x: Floats, p: Floats) -> Floats:
         """The user's function at one state, checked.
@@ -189,29 +214,15 @@ class NumericSystem(Equations):
                [-9.81,  0.  ]])
         """
         here = self.call(x, p)
-        columns = [self._column(x, p, j, here) for j in range(len(x))]
-        return Derivative(*(np.stack(part, axis=1) for part in zip(*columns, strict=True)))
-
-    def _column(self, x: Floats, p: Floats, j: int, here: Floats) -> tuple[Floats, Floats]:
-        first, doubt = self._ridders(x, p, j, here, STEP)
-        second, other = self._ridders(x, p, j, here, STEP * SECOND)
-        apart = np.abs(first - second)
-        value = np.where(doubt <= other, first, second)
-        return value, SAFETY * np.maximum(np.maximum(doubt, other), apart)
-
-    def _ridders(
-        self, x: Floats, p: Floats, j: int, here: Floats, share: float
-    ) -> tuple[Floats, Floats]:
-        step = share * max(1.0, abs(float(x[j])))
-        best, doubt = np.zeros_like(here), np.full_like(here, np.inf)
+        # one table for both estimates and all columns: axes are (estimate, column, rate)
+        shares = np.array([STEP, STEP * SECOND])[:, None]
+        steps = shares * np.maximum(1.0, np.abs(x))
+        best = np.zeros((*steps.shape, len(here)))
+        doubt = np.full_like(best, np.inf)
         row: list[Floats] = []
-        bends: list[Floats] = []
-        noises: list[Floats] = []
-        for _ in range(LEVELS):
-            high, low = x.copy(), x.copy()
-            high[j], low[j] = x[j] + step, x[j] - step
-            up, down = self.call(high, p), self.call(low, p)
-            width = high[j] - low[j]
+        bends, noises = [], []
+        for level in range(LEVELS):
+            up, down, width = self._both_sides(x, p, steps / 2**level)
             size = np.maximum(np.maximum(np.abs(up), np.abs(down)), np.abs(here))
             noise = 8 * UNIT * size / width
             new = [(up - down) / width]
@@ -223,18 +234,122 @@ class NumericSystem(Equations):
                 better = spread < doubt
                 best, doubt = np.where(better, new[k], best), np.where(better, spread, doubt)
             row = new
-            step /= 2
-        self._smooth(bends, noises, j)
-        return best, doubt
+        self._smooth(np.array(bends[-4:]), np.array(noises[-4:]))
+        error = np.maximum(doubt.max(axis=0), np.abs(best[0] - best[1]))
+        value = np.where(doubt[0] <= doubt[1], best[0], best[1])
+        return Derivative(value.T, SAFETY * error.T)
 
-    def _smooth(self, bends: list[Floats], noises: list[Floats], j: int) -> None:
+    def _both_sides(self, x: Floats, p: Floats, steps: Floats) -> tuple[Floats, Floats, Floats]:
+        """Rates above and below, shape (estimate, column, rate), and the widths between."""
+        high, low = (x + sign * steps[..., None] * np.eye(len(x)) for sign in (1.0, -1.0))
+        width = np.diagonal(high - low, axis1=1, axis2=2)[..., None]
+        up, down = (
+            np.array([[self.call(y, p) for y in some] for some in side]) for side in (high, low)
+        )
+        return up, down, width
+
+    def _smooth(self, bends: Floats, noises: Floats) -> None:
         """Refuse a kink: the second difference over the step stays where it should halve."""
-        last = np.array(bends[-4:])
-        above = (last > 8 * np.array(noises[-4:])).all(axis=0)
-        ratio = (last[1:] > KINK * last[:-1]) & (KINK * last[1:] < last[:-1])
-        kept = ratio.all(axis=0)  # above: noise outweighs the curvature
-        if (above & kept).any():
+        above = (bends > 8 * noises).all(axis=0)  # below, noise outweighs the curvature
+        ratio = (bends[1:] > KINK * bends[:-1]) & (KINK * bends[1:] < bends[:-1])
+        kinks = np.argwhere(above & ratio.all(axis=0))
+        if len(kinks):
             raise DomainError(
-                f"the function of {self.name} has a kink along {self.states[j]} at this "
+                f"the function of {self.name} has a kink along {self.states[kinks[0, 1]]} at this "
                 "state, so it has no linearisation there; give a smooth function or another state."
             )
+
+
+# --- members of a family ---
+
+
+def numeric_search(family: Any, a: Floats, q: Floats, guess: ArrayLike | None = None) -> Found:
+    """The unknowns at each row, as `Family.search`, and the rows without a steady motion.
+
+    Parameters
+    ----------
+    family
+        A `Family` of a numeric system.
+    a, q, guess
+        As for `Family.search`.
+    """
+    first = np.array([list(family.unknown.values())] if guess is None else guess, dtype=float)
+    u = np.zeros((len(a), len(family.unknown)))
+    good, why = np.zeros(len(a), dtype=bool), [""] * len(a)
+    for row, start in enumerate(np.broadcast_to(first, u.shape)):
+        given = a[row : row + 1], q[row : row + 1]
+        try:
+            u[row] = _solved(family, given, start)
+            numeric_checked(family, given[0], u[row : row + 1], given[1])
+            good[row] = True
+        except StabilityError as error:
+            why[row] = str(error)
+    return Found(u, good, lambda row: why[row])
+
+
+def numeric_states(family: Any, a: Floats, u: Floats) -> Floats:
+    """States of members, as `Family.states`."""
+    known: dict[str, Any] = dict(zip(family.at, a.T, strict=True))
+    known |= dict(zip(family.unknown, u.T, strict=True))
+    known |= {n: np.pi / 2 if isinstance(v, Upright) else v for n, v in family.held.items()}
+    return np.column_stack([np.broadcast_to(known[n], len(a)) for n in family.system.states])
+
+
+def numeric_checked(family: Any, a: Floats, u: Floats, q: Floats) -> Floats:
+    """States of members, as `Family.checked_states`.
+
+    Raises
+    ------
+    NoMemberError
+        If a rate does not vanish.
+    """
+    system: NumericSystem = family.system
+    states, given = numeric_states(family, a, u), family._system_parameters(a, u, q)
+    for row, (x, p) in enumerate(zip(states, given, strict=True)):
+        rates = np.abs(system.call(x, p))
+        if not rates.any():
+            continue
+        scale = 1 + np.abs(system.slopes(x, p)).max() * (1 + np.abs(x).max())
+        if not (rates <= STEADY * scale).all():
+            worst = int(rates.argmax())
+            raise NoMemberError(
+                f"{family.name} is not steady: {system.states[worst]} still changes at "
+                f"{rates[worst]:.2g} at {_place(family, a[row], q[row])}; add its rate to the "
+                "family's equations, or give what is held to all its digits."
+            )
+    return states
+
+
+def _place(family: Any, a: Floats, q: Floats) -> str:
+    return listing((*family.at, *family.parameters), (*a, *q))
+
+
+def newton_step(family: Any, x: Floats, p: Floats, slopes: Floats) -> Floats:
+    """Newton's step of the unknowns at a state, shape (u,)."""
+    system: NumericSystem = family.system
+    where, rows_ = ([system.index(n) for n in some] for some in (family.unknown, family.equations))
+    step = np.linalg.solve(slopes[np.ix_(rows_, where)], system.call(x, p)[rows_])
+    return np.asarray(-step)
+
+
+def _solved(family: Any, given: tuple[Floats, Floats], first: Floats) -> Floats:
+    """Newton's method on the unknowns of one member."""
+    u, p = first.copy(), family._system_parameters(given[0], first[None], given[1])[0]
+    before = np.inf
+    for _ in range(MOST_STEPS):
+        x = numeric_states(family, given[0], u[None])[0]
+        try:
+            step = newton_step(family, x, p, family.system.slopes(x, p))
+        except np.linalg.LinAlgError:
+            break
+        size = float(np.abs(step).max(initial=0.0))
+        done = size <= 1e-13 * (1 + np.abs(u).max(initial=0.0))
+        if done or before / 2 <= size <= 1e-9:
+            if all(u[list(family.unknown).index(n)] > 0 for n in family.positive):
+                return u
+            break
+        u, before = u + step, size
+    raise NoMemberError(
+        f"{family.name} has no member that Newton's method reaches at "
+        f"{_place(family, given[0][0], given[1][0])}; choose another point or another guess."
+    )
