@@ -268,6 +268,7 @@ class BodyLaunches(Launches):
         found = {
             "body": sample.subject.attributes.get("body", "disk"),
             "contact": self.contact.name,
+            "law": self.contact.formula,
             "flat": self.settings.flat,
             "dimensionless": int(sample.dimensionless),
             "parameters": json.dumps(fixed, sort_keys=True),

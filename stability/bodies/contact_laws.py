@@ -31,6 +31,10 @@ def plain(value: Any, scales: Units) -> Any:  # noqa: ARG001
     return value
 
 
+TAKEN = ", taken because mu is given without a law; dry friction is Coulomb"
+"""Note on a law that nobody has named, behind its formula."""
+
+
 @dataclass(frozen=True)
 class Parameter:
     """One number of a contact law: a field of its class, an axis of maps, an option.
@@ -795,7 +799,9 @@ def law_given(
     0.3
     """
     if contact is None and "mu" in (*given, *swept):
-        contact = Viscous
+        law = law_given(Viscous, given, motion=motion, swept=swept)
+        object.__setattr__(law, "formula", law.formula + TAKEN)
+        return law
     if not isinstance(contact, (str, type)):
         return contact
     law = (

@@ -20,7 +20,7 @@ from ..base.errors import ParameterError, StabilityError
 from ..base.quantities import unit_of
 from ..base.types import Floats
 from ..base.verdict import Verdict
-from ..bodies.contact_laws import Contact
+from ..bodies.contact_laws import TAKEN, Contact
 from ..bodies.disk import Disk
 from ..bodies.round_body.body import Body
 from ..spectra.axes import swept
@@ -191,11 +191,13 @@ def every_along(problem: Problem, grid: Axis) -> Crossings:
 def _described(problem: Problem, grid: Axis, found: Points) -> Points:
     """A result with what was searched, units, and what to cite."""
     law = problem.law.name if problem.law else None
+    formula = problem.law.formula if problem.law else ""
     return replace(
         found,
         how=problem.family.system.qualified(found.how),
         searched=(grid.name, grid.low, grid.high),
         citation=cited(law, model=of_package(problem), proofs=True),
+        note=formula if formula.endswith(TAKEN) else "",
         unit=unit_of(axis_attributes(problem, grid.name)),
         rate_unit=unit_of(rate_attributes(problem)),
     )

@@ -40,6 +40,11 @@ CASES: dict[str, tuple[Callable[[], Any], str]] = {
         lambda: boundaries(0.1, 5),
         "<1 boundary along at from 0.1 to 5 √(g/R): 2 ± 4.5e-16 √(g/R), static, stable above; ",
     ),
+    "a law that nobody named": (
+        lambda: st.boundaries("spinning", axis=("at", 0.1, 5, 9), mu=0.3),
+        "<1 boundary along at from 0.1 to 5 √(g/R), F = -μ N v, taken because mu is given without "
+        "a law; dry friction is Coulomb: 2 ± ",
+    ),
     "no boundary": (
         lambda: boundaries(2.1, 5),
         "<0 boundaries along at from 2.1 to 5 √(g/R), stable throughout; complete: ",
