@@ -875,6 +875,8 @@ def law_only(
     """
     law = law_given(contact, given, motion=motion, swept=swept)
     for name in given:
+        if isinstance(law, Contact) and any(m.alternatives(name) for m in MOTION_LAWS.values()):
+            raise ParameterError(f"{name} is given, and contact is {law}; leave {name} out.")
         refuse_misspelt(Viscous, given)
         raise ParameterError(
             f"{shown(name)} is not an argument here; the disk's numbers go in disk=Disk(...), and "

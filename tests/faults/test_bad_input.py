@@ -147,6 +147,19 @@ CASES: list[tuple[str, Callable[[], Any], str]] = [
         "NaN or infinite",
     ),
     ("unknown state", lambda: st.disk_system("rough").index("x"), "known are theta"),
+    ("a resistance that drives", lambda: st.AirTorque(-1), "drag is -1; it must be 0 or above"),
+    ("table of a number", lambda: st.table("drift", kk=0.25), "it takes k, mu, contact, disk and"),
+    ("mu twice", lambda: st.spectrum("rolling", at=1, contact=V(0.3), mu=0.4), "Viscous(mu=0.3); le"),
+    (
+        "a motion as a map",
+        lambda: st.plot_map(st.simulate(st.Disk(), V(0.3), {"theta": 1.4}, 0.1)),
+        "dataset is a dataset (motion of a disk, viscous contact); give what stability_map",
+    ),
+    (
+        "a file as a folder",
+        lambda: st.write_map(chart(), f"{__file__}/a.nc"),
+        "test_bad_input.py is a file, and no folder",
+    ),
     (
         "rows of a CasADi matrix",
         lambda: st.disk_family("tumbling", "viscous").checked_states(
