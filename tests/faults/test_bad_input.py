@@ -149,7 +149,7 @@ CASES: list[tuple[str, Callable[[], Any], str]] = [
     ("unknown state", lambda: st.disk_system("rough").index("x"), "known are theta"),
     ("a resistance that drives", lambda: st.AirTorque(-1), "drag is -1; it must be 0 or above"),
     ("table of a number", lambda: st.table("drift", kk=0.25), "it takes k, mu, contact, disk and"),
-    ("mu twice", lambda: st.spectrum("rolling", at=1, contact=V(0.3), mu=0.4), "Viscous(mu=0.3); le"),
+    ("mu and mu", lambda: st.spectrum("rolling", at=1, contact=V(0.3), mu=0.4), "Viscous(mu=0.3)"),
     (
         "a motion as a map",
         lambda: st.plot_map(st.simulate(st.Disk(), V(0.3), {"theta": 1.4}, 0.1)),
