@@ -55,7 +55,7 @@ CASES: dict[str, tuple[Callable[[], Any], str]] = {
     ),
     "birth of a cycle": (
         lambda: st.hopf(cycle(), axis=("p", -1, 1, 9))[0],
-        "<CycleBirth: soft, each bound proved: at = 0 ± 0, frequency = 1 ± ",
+        "<CycleBirth: soft, each bound proved: at = 0 ± ",
     ),
     "no boundary": (
         lambda: boundaries(2.1, 5),
