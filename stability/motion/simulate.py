@@ -198,7 +198,7 @@ def simulate(
             resistance=resistance,
             pose=pose,
         )
-        _check_flat(launches, settings)
+        check_flat(launches, settings)
         check_flow(settings.method, flow_of(launches.model))
         found = results(launches, settings, progress)
         found = _described(launches, settings, _departed(launches, settings, found))
@@ -276,7 +276,7 @@ def _described(launches: Starts, settings: Settings, found: list[Result]) -> lis
     return out
 
 
-def _check_flat(launches: Starts, settings: Settings) -> None:
+def check_flat(launches: Starts, settings: Settings) -> None:
     """Refuse a start that is flat, and an angle of flat for what never is."""
     if "flat" not in launches.subject.settings and settings.flat != Settings.flat:
         raise ParameterError(

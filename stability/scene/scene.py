@@ -17,6 +17,7 @@ from ..base.errors import DomainError, NameUnknownError, ParameterError, listed,
 from ..base.types import Overwrite, Record
 from ..motion.gather import moving
 from ..motion.result import Settings
+from ..motion.simulate import check_flat
 from ..storage.origin import origin_of
 from ..storage.targets import PICTURES, check_suffix, check_target
 from .answer import Answer, held_against, single, tell
@@ -236,6 +237,8 @@ class Scene(Record):
     def _problem(self, law: Any, moved: Mapping[str, float] | None = None) -> Problem:
         """The dimensionless problem under one law, with some inputs changed."""
         launches = launched(self.subject, law, self.start, self.horizon, self.families, moved or {})
+        if not moved:
+            check_flat(launches, Settings(flat=self.flat))
         last = self.horizon / float(launches.units.time)
         bare = Problem(
             launches,

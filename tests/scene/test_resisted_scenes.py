@@ -118,6 +118,11 @@ def test_a_run_that_gave_up_is_not_said_to_stay_up() -> None:
     assert "more than 0.001 s of computing; give a larger max_seconds" in report
 
 
+def test_a_start_that_is_flat_is_refused() -> None:
+    with pytest.raises(st.StabilityError, match=r"theta of start is 0.05, flat within flat = 0\.1"):
+        st.Scene(contact=st.Rough(), start={"theta": 0.05}, horizon=1.0, flat=0.1).answer()
+
+
 def test_a_file_states_resistances(tmp_path: Path) -> None:
     text = '[contact]\nlaw = "rough"\n[start]\ntheta = 1.2\n[question]\nhorizon = 5.0\n'
     file = tmp_path / "resisted.toml"
