@@ -115,7 +115,7 @@ def rows(name: str, value: Any, names: Collection[str]) -> NDArray[np.float64]:
     (2,)
     """
     array = real_numbers(name, value)
-    if names and not array.size:
+    if names and array.shape == (0,):
         raise ParameterError(f"{name} is empty; give {', '.join(names)}.")
     if array.ndim == 0 or array.shape[-1] != len(names):
         raise ParameterError(
