@@ -73,9 +73,7 @@ def real_numbers(name: str, value: Any) -> NDArray[np.float64]:
     return doubles
 
 
-def positive(
-    name: str, value: ArrayLike, remedy: str = "it must be positive", *, zero: bool = False
-) -> Number:
+def positive(name: str, value: ArrayLike, remedy: str = "", *, zero: bool = False) -> Number:
     """Return `checked(name, value)` if all numbers are above zero, or are `zero` where allowed.
 
     Examples
@@ -89,7 +87,8 @@ def positive(
     values = np.asarray(number)
     low = values[values < 0 if zero else values <= 0]
     if low.size:
-        raise ParameterError(f"{name} is {low.flat[0]:g}; {remedy}.")
+        needed = remedy or f"it must be {'0 or above' if zero else 'positive'}"
+        raise ParameterError(f"{name} is {low.flat[0]:g}; {needed}.")
     return number
 
 
@@ -116,6 +115,8 @@ def rows(name: str, value: Any, names: Collection[str]) -> NDArray[np.float64]:
     (2,)
     """
     array = real_numbers(name, value)
+    if names and array.shape == (0,):
+        raise ParameterError(f"{name} is empty; give {', '.join(names)}.")
     if array.ndim == 0 or array.shape[-1] != len(names):
         raise ParameterError(
             f"{name} has shape {array.shape}; its last axis must hold {len(names)} values"

@@ -142,6 +142,10 @@ class _Short(reprlib.Repr):
 
     repr_MaskedArray = repr_matrix = repr_ndarray  # noqa: N815  # reprlib looks up the type's name
 
+    def repr_Dataset(self, x: Any, level: int) -> str:  # noqa: ARG002, N802  # the type's name
+        """The title of a dataset."""
+        return f"a dataset ({x.attrs.get('title', 'no title')})"
+
     def repr_instance(self, x: Any, level: int) -> str:  # noqa: ARG002
         """The value's own `repr` if short and no address; the name of a class or a function."""
         kind = type(x).__name__

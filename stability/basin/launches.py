@@ -272,6 +272,7 @@ class BodyLaunches(Launches):
         attrs = {
             "body": sample.subject.attributes.get("body", "disk"),
             "contact": self.contact.name,
+            "law": self.contact.formula,
             "flat": self.settings.flat,
             "dimensionless": int(sample.dimensionless),
             "parameters": json.dumps(fixed, sort_keys=True),

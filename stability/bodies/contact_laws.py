@@ -31,6 +31,10 @@ def plain(value: Any, scales: Units) -> Any:  # noqa: ARG001
     return value
 
 
+TAKEN = ", taken because mu is given without a law; dry friction is Coulomb"
+"""Note on a law that nobody has named, behind its formula."""
+
+
 @dataclass(frozen=True)
 class Parameter:
     """One number of a contact law: a field of its class, an axis of maps, an option.
@@ -795,7 +799,9 @@ def law_given(
     0.3
     """
     if contact is None and "mu" in (*values, *swept):
-        contact = Viscous
+        law = law_given(Viscous, values, motion=motion, swept=swept)
+        object.__setattr__(law, "formula", law.formula + TAKEN)
+        return law
     if not isinstance(contact, (str, type)):
         return contact
     law = (
@@ -869,6 +875,8 @@ def law_only(
     """
     law = law_given(contact, values, motion=motion, swept=swept)
     for name in values:
+        if isinstance(law, Contact) and any(m.alternatives(name) for m in MOTION_LAWS.values()):
+            raise ParameterError(f"{name} is given, and contact is {law}; leave {name} out.")
         refuse_misspelt(Viscous, values)
         raise ParameterError(
             f"{shown(name)} is not an argument here; the disk's numbers go in disk=Disk(...), and "

@@ -236,6 +236,8 @@ class AxisPoints(Sequence[PointT], ABC):
     """Keys of the works to cite, for `stability.citation`."""
     throughout: Verdict | int | None = None
     """What was proved on the whole interval, where it holds no point; None elsewhere."""
+    note: str = ""
+    """The law with its formula, where nobody has named it."""
     unit: str = "1"
     """Unit of the axis, in words where it is dimensionless."""
     rate_unit: str = "1"
@@ -303,6 +305,8 @@ class AxisPoints(Sequence[PointT], ABC):
         if self.searched:
             axis, low, high = self.searched
             where = f" along {axis} from {low:.10g} to {high:.10g}{behind(self.unit)}"
+        if self.note:
+            where += f", {self.note}"
         if self.constant:
             where += f", {self.constant} throughout"
         state = f"; complete: {self.how}" if self.how else "; complete"

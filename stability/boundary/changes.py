@@ -21,7 +21,7 @@ from ..base.errors import ParameterError, StabilityError
 from ..base.quantities import unit_of
 from ..base.types import Floats
 from ..base.verdict import Verdict
-from ..bodies.contact_laws import Contact
+from ..bodies.contact_laws import TAKEN, Contact
 from ..bodies.disk import Disk
 from ..bodies.round_body.body import Body
 from ..spectra.axes import swept
@@ -214,11 +214,13 @@ def _described(problem: Problem, grid: Axis, result: Points) -> Points:
         result = replace(result, unresolved=left)
     law = problem.law.name if problem.law else None
     proofs = not isinstance(problem.family.system, NumericSystem)
+    formula = problem.law.formula if problem.law else ""
     return replace(
         result,
         how=problem.family.system.qualified(result.how),
         searched=(grid.name, grid.low, grid.high),
         citation=cited(law, model=of_package(problem), eigenvalues=not proofs, proofs=proofs),
+        note=formula if formula.endswith(TAKEN) else "",
         unit=unit_of(axis_attributes(problem, grid.name)),
         rate_unit=unit_of(rate_attributes(problem)),
     )

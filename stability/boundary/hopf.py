@@ -218,7 +218,7 @@ class Onset(Sentences):
         return self.name.lower()
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class CycleBirth(Record):
     """A flutter boundary of isolated steady motions, with its first Lyapunov coefficient.
 
@@ -268,6 +268,29 @@ class CycleBirth(Record):
     """Number of other eigenvalues that are unstable there, proved; -1 where others cross too."""
     citation: str = field(default="", compare=False, repr=False)
     """Keys of the works to cite, for `stability.citation`."""
+
+    def __repr__(self) -> str:
+        told = [f"{name} = {text}" for name, text in self._texts().items()]
+        told += [self.reason] * bool(self.reason)
+        return f"<CycleBirth: {self.kind.word}, each bound proved: {', '.join(told)}>"
+
+    def _repr_html_(self) -> str:
+        head = f"{self.kind.value}; each bound is proved"
+        return html_table(head, ["number", "value"], self._texts().items(), self.reason)
+
+    def _texts(self) -> dict[str, str]:
+        """The proved numbers, each with its bound."""
+        numbers = {
+            "at": (self.at, self.error),
+            "frequency": (self.frequency, self.frequency_error),
+            "crossing": (self.crossing, self.crossing_error),
+            "l1": (self.coefficient, self.coefficient_error),
+        }
+        return {
+            name: f"{value:.12g} ± {error:.1g}"
+            for name, (value, error) in numbers.items()
+            if np.isfinite(error)
+        }
 
 
 def _units(problem: Problem, axis: str) -> tuple[str, str]:

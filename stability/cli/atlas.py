@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from ..base.errors import ParameterError
-from .options import answer, flags, overwriting
+from .options import answer, flags, overwriting, whole
 from .terminal import progress_bar
 
 EXAMPLES = ("stability atlas --out atlas", "stability atlas --bodies --out bodies")
@@ -21,7 +21,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     flags(parser, {"--bodies": bodies})
     parser.add_argument("--out", required=True, metavar="DIR", help="folder to write")
     resolution = "points along the family's axis (default 400, of bodies 96)"
-    parser.add_argument("--resolution", type=int, metavar="N", help=resolution)
+    parser.add_argument("--resolution", type=whole, metavar="N", help=resolution)
     draft = (
         "the diagrams alone, as PNG, without loci and PDFs; the default below 100 points, not with "
         "--bodies"

@@ -26,6 +26,7 @@ from .options import (
     step_error,
     targets_of,
     values,
+    whole,
 )
 from .subject import (
     add_box,
@@ -80,12 +81,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--sample": ("NAME:KIND:A:B", sample),
     }
     values(parser, str, repeated, action="append")
-    whole = {
+    counts = {
         "--count": ("N", "launches of the sample"),
         "--seed": ("S", "of the sample (default 0); launch i of a seed is always the same"),
         "--chunk": ("N", "launches of a chunk, the work of a worker (default 4096)"),
     }
-    values(parser, int, whole)
+    values(parser, whole, counts)
     lines = ", ".join(f.name for f in FAMILIES.values() if f.line)
     poles = listed([f.name for f in FAMILIES.values() if f.pole], "or")
     family = f"launch near {lines} or, of a body, {poles}, the axis tilted"
@@ -105,7 +106,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "halve the steps of a map this often along the borders between ends; the store gets the "
         "borders, and the figure shows them"
     )
-    parser.add_argument("--levels", type=int, default=0, metavar="L", help=levels)
+    parser.add_argument("--levels", type=whole, default=0, metavar="L", help=levels)
     scheduling(parser)
     replaced = "replace a store that was made with other arguments, and an existing figure"
     overwriting(parser, replaced)

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..base.errors import NameUnknownError, ParameterError, listed, shown
-from .options import answer, overwriting, values
+from .options import answer, overwriting, values, whole
 from .terminal import progress_bar
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ class Command:
         )
         parser.add_argument("--out", required=True, metavar="DIR", help=out)
         workers = "processes for the catalogue (default: all cores); charts are timed, and take one"
-        parser.add_argument("--workers", type=int, metavar="N", help=workers)
+        parser.add_argument("--workers", type=whole, metavar="N", help=workers)
         charted = "hardness classes, `boundary`, or motions"
         of = charted if self.parts is None else "hard cases"
         cases = (

@@ -21,6 +21,7 @@ from .options import (
     scheduling,
     targets_of,
     values,
+    whole,
 )
 from .subject import CommandSubject, add_box, add_subject, box_of, doubles, options_subject
 from .terminal import progress_bar
@@ -61,7 +62,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     plotting(parser)
     add_box(parser, "of a system: count in each cell the equilibria in it, by proof; ")
     levels = "with --certify: halve the map this often at most"
-    parser.add_argument("--levels", type=int, metavar="L", help=levels)
+    parser.add_argument("--levels", type=whole, metavar="L", help=levels)
     flags(
         parser,
         {

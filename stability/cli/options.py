@@ -68,7 +68,7 @@ class _Parser(argparse.ArgumentParser):
                 self.error(self._no_option(option))
         options, extra = super().parse_known_args(words, namespace)
         if extra:
-            self.error(f"unrecognized arguments: {' '.join(extra)}")
+            self.error(f"{extra[0]} belongs to no option")
         if self._subparsers is None:
             options.numbers, options.known = numbers, list(self._option_string_actions)
         return options, extra
@@ -108,6 +108,8 @@ class _Parser(argparse.ArgumentParser):
         states = [wrong[2:].replace("-", "_")] if "--at" in known else []
         if states and states[0] in ("omega3", "phi_dot", "theta"):
             return f"{wrong} is not an option here; --at takes {states[0]} of the steady motion"
+        if "--start" in known and wrong in ("--family", "--at", "--lean", "--tilt"):
+            return f"{wrong} is not an option here; give the states at time 0: --theta and others"
         if wrong == "--lean":
             axis = ", or --x lean:LO:HI:N" * ("--x" in known)
             return (
@@ -117,7 +119,7 @@ class _Parser(argparse.ArgumentParser):
         return (
             f"{wrong} is not an option here; {near} is"
             if near
-            else (f"unrecognized arguments: {wrong}")
+            else f"{wrong} is not an option here"
         )
 
 
@@ -167,7 +169,7 @@ def scheduling(parser: argparse.ArgumentParser, default: str | None = "threads")
         "tcp://127.0.0.1:8786"
     )
     parser.add_argument("--scheduler", metavar="WHERE", default=default, help=where)
-    parser.add_argument("--workers", type=int, metavar="N", help="workers (default: all cores)")
+    parser.add_argument("--workers", type=whole, metavar="N", help="workers (default: all cores)")
 
 
 def flags(parser: argparse.ArgumentParser, texts: Mapping[str, str]) -> None:
@@ -219,6 +221,14 @@ def real(text: str) -> float:
             f"{shown(text)} is no number; give one such as 0.25 or 1/4"
         )
     return value
+
+
+def whole(text: str) -> int:
+    """A whole number, as the type of an option."""
+    try:
+        return int(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{shown(text)} is no whole number") from None
 
 
 def _real(text: str) -> float | None:

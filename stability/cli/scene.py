@@ -12,15 +12,18 @@ from typing import TYPE_CHECKING, Any
 from ..base.errors import ParameterError
 from ..base.quantities import readable
 from .options import answer as print_answer
-from .options import dataset_help, flags, overwriting, plotting, targets_of, values
-from .subject import ones_of, scales_of
+from .options import dataset_help, flags, given, overwriting, plotting, real, targets_of, values
+from .subject import add_resistances, ones_of, resistances_of, scales_of
 from .terminal import progress_bar, waiting
 
 if TYPE_CHECKING:
     from ..scene.answer import Answer
     from ..scene.scene import Scene
 
-EXAMPLES = ("stability scene examples/scenes/rolled-coin.toml --json",)
+EXAMPLES = (
+    "stability scene examples/scenes/rolled-coin.toml --json",
+    "stability scene examples/scenes/spun-coin.toml --rolling-resistance 3e-5 --max-seconds 30",
+)
 """Examples of the help."""
 SPREAD = ("inputs", "moves", "outcomes", "contrary", "size", "wasted", "routes", "enough")
 """What is told of how inputs that are known roughly move an answer."""
@@ -39,6 +42,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     motion = dataset_help("write", more="; the motion at many times, each within the tolerance")
     values(parser, str, {"--only": ("RUNG", only)})
+    add_resistances(parser)
+    seconds = "computing time after which a run gives up (default that of the file, or 8)"
+    values(parser, real, {"--max-seconds": ("S", seconds)})
     parser.add_argument("--out", metavar="F.nc", help=motion)  # type: ignore[arg-type]
     chart = (
         "time against true error of every model; of several laws the first is taken for the truth"
@@ -55,8 +61,8 @@ def run(options: argparse.Namespace) -> None:
         from ..scene.scene import Scene
         from ..scene.toml_file import titled
 
-        title, given = titled(options.file)
-        scene = Scene(**given)
+        title, arguments = titled(options.file)
+        scene = Scene(**arguments | _changes(options, arguments))
         names = tuple(scene.quantities)
         _refuse(options, scene)
         targets, asked = targets_of(options, "write"), scene
@@ -71,6 +77,16 @@ def run(options: argparse.Namespace) -> None:
                 asked.plot(targets["plot"], overwrite=options.force, progress=progress)
     record = _record(title, scene, answer, names, options)
     print_answer(options, record, _lines(title, scene, answer, names, targets))
+
+
+def _changes(options: argparse.Namespace, arguments: Mapping[str, Any]) -> dict[str, Any]:
+    """What the options give in place of what the file states."""
+    changes: dict[str, Any] = given(options, "max_seconds")
+    if (asked := resistances_of(options)) is not None:
+        kinds = {type(one) for one in asked}
+        kept = [one for one in arguments.get("resistance", ()) if type(one) not in kinds]
+        changes["resistance"] = [*kept, *asked]
+    return changes
 
 
 def _refuse(options: argparse.Namespace, scene: Scene) -> None:

@@ -20,6 +20,7 @@ from .options import (
     save,
     step_error,
     targets_of,
+    whole,
 )
 from .subject import CommandSubject, add_launch, options_subject
 from .terminal import progress_bar, waiting
@@ -41,7 +42,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
     add_launch(parser)
     parser.add_argument("--time", type=real, metavar="T", help="last time (needed)")
-    parser.add_argument("--points", type=int, metavar="N", help="samples from 0 to T (default 201)")
+    parser.add_argument(
+        "--points", type=whole, metavar="N", help="samples from 0 to T (default 201)"
+    )
     parser.add_argument("--method", default="auto", help=_methods)  # type: ignore[arg-type]
     step_error(parser)
     seconds = "computing time after which it gives up (default 8)"

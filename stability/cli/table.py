@@ -50,7 +50,7 @@ def run(options: argparse.Namespace) -> None:
     from ..tables.table import FORMS as ENDINGS
 
     if options.list == (options.name is not None) and options.name != "list":
-        raise ParameterError("give the name of a table, or --list to see them, one of them.")
+        raise ParameterError("give the name of a table, or --list to see them, and not both.")
     options.name = options.name or "list"
     asked = [form for form in FORMS if getattr(options, form)]
     if len(asked) + (options.out is not None) > 1:

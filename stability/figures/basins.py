@@ -20,7 +20,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from ..base.errors import ParameterError
+from ..base.errors import ParameterError, shown
 from ..base.looks import LOOKS
 from ..base.quantities import Kind, Quantity, axis_label, in_latex, readable, unit_of
 from ..base.verdict import BY_CODE
@@ -133,7 +133,7 @@ def _axes_of(dataset: Any, x: str = "", y: str = "") -> tuple[str, str]:
     """Names of the numbers along x and y, or a refusal."""
     if not {"outcome", "family", "member"} <= set(getattr(dataset, "data_vars", ())):
         raise ParameterError(
-            f"dataset is {type(dataset).__name__}; give what basins returns, or its store, read "
+            f"dataset is {shown(dataset)}; give what basins returns, or its store, read "
             "by read_basins."
         )
     names = tuple(map(str, dataset.outcome.dims))
@@ -194,10 +194,10 @@ def _colour(axes: Axes, dataset: xarray.Dataset, present: list[Fate], x: str, y:
 
 def _scales(figure: Figure, main: Axes, dataset: xarray.Dataset, present: list[Fate]) -> None:
     """A scale of lightness for each family whose members differ, one above the other."""
-    shown = [f for f in present if f.spread]
-    share = 1 / max(len(shown), 1)
+    drawn = [f for f in present if f.spread]
+    share = 1 / max(len(drawn), 1)
     room = TIGHT * main.get_window_extent().height * points(main) * share
-    for i, fate in enumerate(shown):
+    for i, fate in enumerate(drawn):
         panel = main.inset_axes((1.03, 1 - (i + 0.94) * share, 0.035, 0.88 * share))
         assert fate.members is not None
         bar = figure.colorbar(ScalarMappable(Normalize(*fate.members), fate.ramp), cax=panel)

@@ -119,7 +119,7 @@ def plot_map(
     if not {"abscissa", "verdict"} <= set(getattr(dataset, "data_vars", ())) or (
         dataset.abscissa.ndim != 2
     ):
-        what = "a spectrum" if isinstance(dataset, Spectrum) else type(dataset).__name__
+        what = "a spectrum" if isinstance(dataset, Spectrum) else shown(dataset)
         raise ParameterError(
             f"dataset is {what}; give what stability_map or read_map returns (plot_locus draws a "
             "spectrum)."

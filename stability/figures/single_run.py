@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..base.errors import ParameterError
+from ..base.errors import ParameterError, shown
 from ..base.types import Floats
 from ..bodies.model import POSE
 from ..integrators.stick_slip import SLIP, STICK, STICKING
@@ -73,7 +73,7 @@ def one_launch(dataset: xarray.Dataset, needed: tuple[str, ...]) -> SingleRun:
     import xarray
 
     if not isinstance(dataset, xarray.Dataset) or dataset.attrs.get("format") != FORMAT:
-        raise ParameterError(f"dataset is {type(dataset).__name__}; give what simulate returns.")
+        raise ParameterError(f"dataset is {shown(dataset)}; give what simulate returns.")
     missing = [name for name in ("time", *needed, *KEPT) if name not in dataset.variables]
     if missing and system_states(dataset) and missing[0] not in ("time", *KEPT):
         raise ParameterError(

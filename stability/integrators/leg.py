@@ -159,8 +159,8 @@ class Budget:
     def message(self) -> str:
         """Reason for the end of the run."""
         if self.seconds <= 0:
-            return "no computing time is left for it and its neighbours"
-        return f"more than {self.seconds:.3g} s of computing"
+            return "no computing time is left for it and its neighbours; give a larger max_seconds"
+        return f"more than {self.seconds:.3g} s of computing; give a larger max_seconds"
 
     def __call__(self, _integrator: object) -> bool:
         """Whether to continue."""

@@ -44,7 +44,7 @@ NEAR = 1e-3
 """Slip speed below which the polar form takes over [√(gR)]."""
 AWAY = 2e-3
 """Slip speed at which the plain equations take over again [√(gR)]."""
-REST = 1e-15
+REST = 1e-20
 """Slip speed that counts as rest: the remaining time of the landing is below rounding."""
 ONSET = 1e-4
 """Time over which an onset of slip is a series, times the fastest angular velocity or √(g/R); its
@@ -54,6 +54,8 @@ DEPARTURE = 1e-6
 square."""
 STRETCHED = 1e12
 """Longest stretched time of one landing or onset."""
+SWITCHES = 3000
+"""Steps of LSODA near rest after which BDF takes over; it needs some hundred."""
 ONSET_GRID = 401
 """Points over the stiff part of an onset."""
 TRANSITIONS = 10_000
@@ -251,11 +253,7 @@ class _Dry:
         path = self._setting_in(state) if self.onset else None
         self.onset = 0.0
         if path is None or path.end is None:
-            leg = self._polar_leg(path.states[-1] if path else state, np.array([0.0, STRETCHED]))
-            path = integrate_scipy(leg, solver="LSODA", clock=self.times[len(self.rows) :])
-            self.steps += path.steps
-            for row in path.states:
-                self._sample(self._cartesian(row), SLIDING)
+            path = self._stretched(path.states[-1] if path else state)
         if path.end is None:  # the last sample was reached, or nothing happens any more
             if len(self.rows) < len(self.times):
                 self._stop(UNRESOLVED, "the slip neither ends nor grows")
@@ -269,6 +267,20 @@ class _Dry:
         if path.end.kind != LEFT:
             self._stop(path.end.kind, path.end.message)
         return SLIDING
+
+    def _stretched(self, state: Floats) -> Path:
+        """Run in stretched time; LSODA may take a stiff slip for one that is not: then by BDF."""
+        leg = self._polar_leg(state, np.array([0.0, STRETCHED]))
+        for solver, most in (("LSODA", min(SWITCHES, leg.max_steps)), ("BDF", leg.max_steps)):
+            leg = dataclasses.replace(leg, max_steps=most)
+            path = integrate_scipy(leg, solver=solver, clock=self.times[len(self.rows) :])
+            self.steps += path.steps
+            for row in path.states:
+                self._sample(self._cartesian(row), SLIDING)
+            if path.end is None or path.end.kind != UNRESOLVED or self.budget.spent:
+                break
+            leg = self._polar_leg(path.end.state, np.array([path.end.time, STRETCHED]))
+        return path
 
     def _polar_leg(self, state: Floats, span: Floats) -> Leg:
         tolerance = max(self.leg.tolerance / 10, 1e-14)
@@ -442,7 +454,7 @@ class _Dry:
             return None
         self.time, self.y = path.end.time, back(path.end.state)
         if path.end.kind == UNRESOLVED:
-            self._stop(UNRESOLVED, self.budget.message if self.budget.spent else path.end.message)
+            self._stop(UNRESOLVED, path.end.message)
         return path.end.kind
 
     def _sample(self, y: Floats, mode: int) -> None:
@@ -453,6 +465,8 @@ class _Dry:
         self.transitions.append(Transition(kind, self.time, self.y.copy(), angle))
 
     def _stop(self, kind: str, message: str = "") -> None:
+        if kind == UNRESOLVED and self.budget.spent:  # not that of the last piece
+            message = self.budget.message
         if self.end is None:
             self.end = End(kind, self.time, self.y.copy(), message)
 

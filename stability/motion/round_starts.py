@@ -181,6 +181,7 @@ class _BodySubject(MotionSubject):
 def _subject(
     name: str,
     law: str,
+    formula: str,
     settling: Settling,
     against: tuple[type[Resistance], ...],
     *,
@@ -191,7 +192,7 @@ def _subject(
     rate = f"{Kind.ANGULAR_VELOCITY.si} (theta: {Kind.ANGLE.si})"
     body = {} if name.startswith(SYSTEM) else {"body": name.rpartition(", ")[0]}
     return _BodySubject(
-        attributes=body | {"contact": law, "dimensionless": int(dimensionless)},
+        attributes=body | {"contact": law, "law": formula, "dimensionless": int(dimensionless)},
         cited=partial(cited, law, model=True),
         outcomes=tuple(Outcome),
         energy_error="largest |audit| over the energy at the start",
@@ -271,6 +272,7 @@ def _gathered(
         _subject(
             model.system.name,
             contact.name,
+            contact.formula,
             settling,
             every[-1],
             dimensionless=body.dimensionless,

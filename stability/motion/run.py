@@ -401,6 +401,7 @@ def _judge(  # noqa: PLR0913
             outcome = Outcome.SETTLED
             states = leg.flow.reported(path.states)
             since = float(leg.times[launches.settling.since(states, p, near, settings.settle)])
+    bare = launches.dimensionless or outcome is Outcome.UNRESOLVED  # of seconds, and of steps
     return Result(
         path,
         choice,
@@ -410,7 +411,7 @@ def _judge(  # noqa: PLR0913
         near,
         since,
         dry,
-        evidence + ("" if launches.dimensionless else " (dimensionless numbers)"),
+        evidence + ("" if bare else " (dimensionless numbers)"),
         max(leg.tolerance, METHODS[choice.method].finest),
         leg.flow.compared,
     )

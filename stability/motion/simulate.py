@@ -198,7 +198,7 @@ def simulate(
             resistance=resistance,
             pose=pose,
         )
-        _check_flat(launches, settings)
+        check_flat(launches, settings)
         check_flow(settings.method, flow_of(launches.model))
         runs = results(launches, settings, progress)
         runs = _described(launches, settings, _departed(launches, settings, runs))
@@ -276,7 +276,7 @@ def _described(launches: Starts, settings: Settings, results: list[Result]) -> l
     return out
 
 
-def _check_flat(launches: Starts, settings: Settings) -> None:
+def check_flat(launches: Starts, settings: Settings) -> None:
     """Refuse a start that is flat, and an angle of flat for what never is."""
     if "flat" not in launches.subject.settings and settings.flat != Settings.flat:
         raise ParameterError(

@@ -117,7 +117,7 @@ class Answer(Record):
             elif isinstance(value, float):
                 told = self._with_unit(name or next(iter(self.measures), ""), value, name)
             elif value is None or isinstance(value, str):
-                told = value or "none"
+                told = value or ("none" if math.isfinite(self._error(name)) else "not known")
             else:
                 continue  # a path
             found.append(f"  {label}{told}")
@@ -141,9 +141,13 @@ class Answer(Record):
         """
         if name not in self.measures:
             return f"{value:.{most}g}"
-        several = isinstance(self.estimate, dict)
-        size = self.estimate[quantity] if several else self.estimate
-        return supported(value, size * max(self.measures[name][1], abs(value)), most)
+        size = max(self.measures[name][1], abs(value))
+        return supported(value, self._error(quantity) * size, most)
+
+    def _error(self, quantity: str) -> float:
+        """The estimated error of a quantity."""
+        size = self.estimate[quantity] if isinstance(self.estimate, dict) else self.estimate
+        return float(size)
 
     def report(self) -> str:
         """The answer in words and numbers, and its ladder.

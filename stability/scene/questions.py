@@ -249,7 +249,7 @@ _EVERY = (
         partial(_end_time, "flat", "it does not fall flat"),
         Kind.TIME,
         False,
-        "time at which the body lies within 1e-6 rad of flat",
+        "time at which the body lies within `flat`, an angle, of flat",
         touching=True,
         none="does not fall flat",
     ),

@@ -16,6 +16,8 @@ from ..base.checks import flag, known, one_number
 from ..base.errors import DomainError, NameUnknownError, ParameterError, listed, shown
 from ..base.types import Overwrite, Record
 from ..motion.gather import moving
+from ..motion.result import Settings
+from ..motion.simulate import check_flat
 from ..storage.origin import origin_of
 from ..storage.targets import PICTURES, check_suffix, check_target
 from .answer import Answer, held_against, single, tell
@@ -57,7 +59,7 @@ class Scene(Record):
         them in units in which they are near 1, or divide the tolerance by the size that counts.
     quantities
         Names: `final`, `path`, `outcome`, `settling_time`, `lift_off_time`, `fall_time` (time at
-        which a disk lies within 1e-6 rad of flat), `largest_tilt`; or, of
+        which a disk lies within `flat` of flat), `largest_tilt`; or, of
         the steady motion nearest to the start, `verdict`, `growth_rate` and `boundary` (the nearest
         value of its own parameter at which the verdict changes).
     uncertain
@@ -76,6 +78,10 @@ class Scene(Record):
     resistance
         `RollingResistance`, `PivotingResistance` or `AirTorque`, or several of these, of a body or
         disk, under every law.
+    flat
+        Angle from the plane at which a body counts as flat, up to 0.1 rad.
+    max_seconds
+        Computing time after which a run of the full model gives up [s].
     mu
         Coefficient of a law that is given by its name or class.
     body
@@ -121,6 +127,10 @@ class Scene(Record):
     """Families of a user's system."""
     resistance: Any = None
     """Resistances to rolling and turning."""
+    flat: float = Settings.flat
+    """Angle that counts as flat [rad]."""
+    max_seconds: float = Settings.max_seconds
+    """Computing time of a run [s]."""
     subject: SceneSubject = field(init=False, repr=False, compare=False)
     """What moves, and its laws, resolved once."""
     mu: InitVar[float | None] = None
@@ -140,7 +150,11 @@ class Scene(Record):
             raise ParameterError(f"horizon is {horizon:g}; give a last time above 0.")
         if self.start is None:
             raise ParameterError(f"start is missing; give the states by name, {subject.needed}.")
+        runs = Settings(flat=self.flat, max_seconds=self.max_seconds)
+        runs.refuse()
         for name, value in (
+            ("flat", runs.flat),
+            ("max_seconds", runs.max_seconds),
             ("tolerance", tolerance),
             ("horizon", horizon),
             ("quantities", self._asked()),
@@ -223,8 +237,16 @@ class Scene(Record):
     def _problem(self, law: Any, moved: Mapping[str, float] | None = None) -> Problem:
         """The dimensionless problem under one law, with some inputs changed."""
         launches = launched(self.subject, law, self.start, self.horizon, self.families, moved or {})
+        if not moved:
+            check_flat(launches, Settings(flat=self.flat))
         last = self.horizon / float(launches.units.time)
-        bare = Problem(launches, self.tolerance, np.array([0.0, last]))
+        bare = Problem(
+            launches,
+            self.tolerance,
+            np.array([0.0, last]),
+            flat=self.flat,
+            max_seconds=self.max_seconds,
+        )
         count = POINTS if "path" in self.quantities else 2
         if any(n in QUESTIONS and QUESTIONS[n].whole for n in self.quantities):
             turns = last * bare.pace

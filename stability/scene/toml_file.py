@@ -32,7 +32,9 @@ LAUNCH = ("family", "at", "tilt")
 """Keys of a start near a steady motion."""
 WHICH = ("theta", "pole")
 """Further keys of a start near a steady motion of a body."""
-QUESTION = ("horizon", "tolerance", "quantities", "raise_tolerance")
+NUMBERS = ("horizon", "tolerance", "flat", "max_seconds")
+"""Keys of a question whose values are numbers."""
+QUESTION = (*NUMBERS, "quantities", "raise_tolerance")
 """Keys of a question."""
 LARGEST = 2**20
 """Most bytes of a file."""
@@ -248,9 +250,7 @@ def _question(table: Mapping[str, Any]) -> dict[str, Any]:
     _only(table, QUESTION, "[question]")
     if "horizon" not in table:
         raise ParameterError("[question] has no horizon; give the last time of interest.")
-    found: dict[str, Any] = _numbers(
-        {n: v for n, v in table.items() if n in ("horizon", "tolerance")}, "question"
-    )
+    found: dict[str, Any] = _numbers({n: table[n] for n in NUMBERS if n in table}, "question")
     if "raise_tolerance" in table:
         told = table["raise_tolerance"]
         found["raise_tolerance"] = instance(

@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from itertools import chain
 from typing import Any
 
 import numpy as np
 
 from ..base.errors import DomainError
+from ..motion.result import Outcome
 from .ladder import Climbed
 from .questions import QUESTIONS
 from .rungs.sensitivities import nearby
@@ -25,6 +27,8 @@ CHEAP = 0.02
 """Expected time of sensitivities that is always spent, also where displaced runs cost less [s]."""
 SENSITIVITY, DISPLACED = "sensitivity from the graph", "displaced runs"
 """The two routes to how far an input moves the answer."""
+GAVE_UP = Outcome.UNRESOLVED.word
+"""Outcome of a run of which no more is known."""
 
 
 @dataclass(frozen=True)
@@ -82,15 +86,17 @@ class Spread:
             if math.isfinite(size)
         ]
         found += [
-            f"  {name}: {QUESTIONS[name].none}, at both ends of every uncertain input too"
+            f"  {name}: not known, because runs are {GAVE_UP}"
+            if GAVE_UP in {self.outcome, *chain(*self.outcomes.values())}
+            else f"  {name}: {QUESTIONS[name].none}, at both ends of every uncertain input too"
             for name, moved in self.moves.items()
             if not moved
         ]
         ways = dict.fromkeys(self.routes.values())
         for way in ways:
             found.append(f"  {', '.join(n for n, v in self.routes.items() if v == way)}: {way}")
-        for given in self.contrary:
-            for sign, word in zip("-+", self.outcomes[given], strict=True):
+        for given, words in self.outcomes.items():
+            for sign, word in zip("-+", words, strict=True):
                 if word != self.outcome:
                     label = self.labels[given].replace("±", sign)
                     found.append(f"  {label} gives {word} in place of {self.outcome}")
@@ -143,7 +149,9 @@ def spread(
                 continue  # no value, with which nothing is moved
             moves[quantity][name] = max(apart(middle, other) for other in others)
         outcomes[name] = ends.words
-    contrary = tuple(n for n, words in outcomes.items() if set(words) != {case.word})
+    contrary = tuple(n for n, words in outcomes.items() if {*words} - {case.word, GAVE_UP})
+    if case.word == GAVE_UP:
+        contrary = ()
     record = Spread(
         dict(inputs), moves, outcomes, case.word, contrary, problem.tolerance, labels, routes
     )

@@ -34,7 +34,7 @@ NUMPY = numpy_algebra()
 RIGHT_ANGLE = (np.pi / 2, U)
 """π/2 as a ball."""
 ENERGY_KEPT = "energy is kept, so nothing is settled on"
-STICKS = "dry friction ends in sticking, which keeps energy and settles on nothing"
+STICKS = "dry friction ends in sticking, of which no settling is proved"
 
 
 def idle_under(law: type[Contact]) -> str:

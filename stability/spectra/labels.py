@@ -96,7 +96,7 @@ def origin(asked: Any, fixed: Mapping[str, Any], *, citation: str, **more: Any) 
         "family": family.name,
         "system": family.system.name,
         **({"approximation": fit} if (fit := family.system.approximation) else {}),
-        **({"contact": asked.law.name} if asked.law else {}),
+        **({"contact": asked.law.name, "law": asked.law.formula} if asked.law else {}),
         "at": ", ".join(family.at),
         "parameters": json.dumps({n: float(v) for n, v in fixed.items()}, sort_keys=True),
         **_units(asked, fixed),

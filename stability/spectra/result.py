@@ -202,7 +202,7 @@ def _law(spectrum: Any) -> str:
     formula, numbers = "", []
     for name, value in values.items():
         if name in quantities and quantities[name].formula:
-            formula = f" ({quantities[name].formula})"
+            formula = f" ({spectrum.law.formula if spectrum.law else quantities[name].formula})"
             if np.ndim(value) == 0:
                 numbers.append(f"{name} = {float(value):.6g}{behind(_unit(spectrum, name))}")
     return ", ".join([f"{law} contact{formula}", *numbers])
@@ -254,6 +254,8 @@ def page(spectrum: Any) -> str:
     if family.system.quantities:
         names, where = [family.system.quantities[n].symbol for n in names], of_body(spectrum)
         formulas = {q.formula for q in family.system.quantities.values() if q.formula}
+        if spectrum.law and formulas:
+            formulas = {spectrum.law.formula}
         title += f" contact{''.join(f' ({formula})' for formula in formulas)}"
     if not spectrum.codes.ndim:
         head = ": ".join([f"{title}, {where}" if where else title, spectrum.verdict.value])

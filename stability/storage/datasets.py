@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..base.citation import Citation, citation, citation_of_keys, keys_of
-from ..base.errors import FileError, listed
+from ..base.errors import FileError, listed, shown
 from ..base.types import Overwrite
 from .files import atomic_write
 from .formats import FORMATS, NETCDF, Format, format_named, formats_for
@@ -164,7 +164,7 @@ def refuse_other(dataset: Any, form: str, source: str) -> None:
     import xarray
 
     if not isinstance(dataset, xarray.Dataset) or dataset.attrs.get("format") != form:
-        raise FileError(f"dataset is {type(dataset).__name__}; give what {source}.")
+        raise FileError(f"dataset is {shown(dataset)}; give what {source}.")
 
 
 def read_dataset(

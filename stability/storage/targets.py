@@ -121,7 +121,7 @@ def check_target(
             )
         folder = target.parent
         if not folder.is_dir():
-            raise FileError(f"the folder {path_text(folder)} does not exist; create it first.")
+            raise FileError(no_folder(folder))
         if not os.access(folder, os.W_OK | os.X_OK):
             raise FileError(
                 f"the folder {path_text(folder)} is not writable; choose another place."
@@ -131,6 +131,13 @@ def check_target(
     if there and overwrite == "same":
         check_same(target, origin)
     return target
+
+
+def no_folder(place: Path) -> str:
+    """That a place is no folder, for a message."""
+    if place.exists():
+        return f"{path_text(place)} is a file, and no folder; choose another place."
+    return f"the folder {path_text(place)} does not exist; create it first."
 
 
 def check_folder(path: str | os.PathLike[str], *, empty: bool = False) -> Path:
@@ -156,9 +163,7 @@ def check_folder(path: str | os.PathLike[str], *, empty: bool = False) -> Path:
                 "or use --overwrite (overwrite=True)."
             )
         if not target.parent.is_dir():
-            raise FileError(
-                f"the folder {path_text(target.parent)} does not exist; create it first."
-            )
+            raise FileError(no_folder(target.parent))
         if not os.access(target if there else target.parent, os.W_OK | os.X_OK):
             raise FileError(f"{path_text(target)} cannot be written: its folder is not writable.")
     return target

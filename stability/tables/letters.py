@@ -135,7 +135,9 @@ def _name(word: str) -> str:
 
 # --- sentences ---
 
-UNITS = frozenset(kind.si for kind in Kind if "/" in kind.si) | {"uA/cm2"}
+SI = frozenset(readable(kind.si) for kind in Kind)
+"""Units that may follow a value."""
+UNITS = frozenset(kind.si for kind in Kind if "/" in kind.si) | {"uA/cm2", "m/s²"}
 """Units in a sentence that are no quotients of symbols: those of each kind, and a nerve's."""
 _SIGN = re.compile(
     rf"[*^=<>\u2060≤≥≠²³√→∞±∂∈≈′|{_SUPER}{_SUB}\u0370-\u03ff]|_|[xyz0-9][{''.join(ACCENTS)}]|\w\["
@@ -206,6 +208,8 @@ def _run(words: list[str]) -> list[str]:
     last = max((i for i, w in enumerate(words) if _mathy(w)), default=-1)
     if first > last:
         return [_plain(w) for w in words]
+    if words[last - 2 : last - 1] == ["="] and words[last].strip(",;:.") in SI:
+        last -= 1  # the unit of a value is no factor
     while first and re.fullmatch(r"[(\-+]?[\d./]+|[-+=<>/A]", words[first - 1]):
         first -= 1
     while last + 1 < len(words) and re.fullmatch(r"[\d./]+[)\],;:.…]*|[-+=<>/A]", words[last + 1]):

@@ -174,7 +174,12 @@ def table(
     if family is not None or name == "codimension":
         return _of_family(name, family, arguments, axes, exact, parameters)
     chosen = definition(name)
-    for key in (*axes, *exact, *parameters):
+    for key in parameters:
+        takes = listed([n for n in chosen.takes if n != "progress"] or ["nothing"])
+        raise NameUnknownError(
+            f"{shown(key)} is not an argument of the table {name}; it takes {takes}."
+        )
+    for key in (*axes, *exact):
         raise ParameterError(
             f"{key} belongs to `table` with a family of your own (--system); leave it out."
         )

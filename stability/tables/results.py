@@ -61,7 +61,7 @@ def spectrum_table(spectrum: Any, subject: str) -> Table:
     ]
     return Table(
         "spectrum",
-        f"{_heading(subject)}: {spectrum.verdict.word}",
+        f"{_heading(subject)}: {spectrum.verdict.word}, {spectrum.reason}",
         columns,
         rows,
         spectrum.dimensionless,

@@ -31,6 +31,14 @@ def modes(at: Any) -> Any:
     return st.spectrum("rolling", at=at, contact=LAW).modes
 
 
+def cycle() -> st.Family:
+    x, p = ca.SX.sym("x", 2), ca.SX.sym("p")
+    r = p - x[0] ** 2 - x[1] ** 2
+    rates = ca.vertcat(r * x[0] - x[1], r * x[1] + x[0])
+    system = st.System("circle", x, p, rates, states=("x", "y"), parameters=("p",))
+    return st.Family(system, "rest", at=("p",), held={"x": 0, "y": 0})
+
+
 CASES: dict[str, tuple[Callable[[], Any], str]] = {
     "spectrum": (
         lambda: st.spectrum("rolling", at=1.8, contact=LAW),
@@ -39,6 +47,15 @@ CASES: dict[str, tuple[Callable[[], Any], str]] = {
     "boundaries": (
         lambda: boundaries(0.1, 5),
         "<1 boundary along at from 0.1 to 5 √(g/R): 2 ± 4.5e-16 √(g/R), static, stable above; ",
+    ),
+    "a law that nobody named": (
+        lambda: st.boundaries("spinning", axis=("at", 0.1, 5, 9), mu=0.3),
+        "<1 boundary along at from 0.1 to 5 √(g/R), F = -μ N v, taken because mu is given without "
+        "a law; dry friction is Coulomb: 2 ± ",
+    ),
+    "birth of a cycle": (
+        lambda: st.hopf(cycle(), axis=("p", -1, 1, 9))[0],
+        "<CycleBirth: soft, each bound proved: at = 0 ± ",
     ),
     "no boundary": (
         lambda: boundaries(2.1, 5),

@@ -182,6 +182,8 @@ def test_si_numbers_go_in_and_come_out(capsys: pytest.CaptureFixture[str]) -> No
         ([*ASK, "--time", "1", "--film", "run.avi"], "must end in .gif, .mp4 or .html"),
         ([*ASK, "--time", "1", "--out", "a.nc", "--plot", "./a.nc"], "must end in"),
         ([*ASK, "--time", "1", "--out", "no/such/run.nc"], "does not exist"),
+        ([*ASK, "--time", "1", "--family", "rolling"], "--family is not an option here; give the"),
+        ([*ASK, "--time", "1", "--points", "2.5"], "'2.5' is no whole number"),
         (["table", "launches"], "table is 'launches'; known are families"),
         (["table", "families", "--at", "3"], "at belongs to `table codimension` only"),
     ],

@@ -94,6 +94,15 @@ def test_the_command_prints_latex(
         assert "no boundary, unstable throughout" in text
 
 
+def test_a_caption_says_the_proof_and_keeps_units_out_of_formulas(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    words = ["spectrum", "spinning", "--disk", "quarter", "--at", "62.8", "--mu", "1"]
+    text = output(capsys, *words, "--certify", "--latex").split(r"\label")[0]
+    assert r"radius $=0.01213$ m, $k=0.25$, gravity $=9.81$ m/s$^{2}$, $\mu =1$ s/m: stable" in text
+    assert "proved in rational arithmetic" in text
+
+
 @pytest.mark.parametrize("command", [["spectrum", "rolling", "--at", "1.8"],
                                      ["boundaries", "rolling", "--axis", "at:1:2:9"]])  # fmt: skip
 def test_two_forms_of_one_answer_are_refused(

@@ -402,8 +402,8 @@ def test_the_motion_and_the_chart_are_both_written_or_neither(
         (SMALL, ["--plot", "no/such/a.png"], "does not exist"),
         (LINEAR, ["--plot", "a.png"], "the scene asks for growth_rate and verdict, of linear"),
         (NO_CONTACT, ["--plot", "a.png"], "the disk is not in contact"),
-        (SMALL, ["--colour"], "unrecognized arguments"),
-        (SMALL, ["more.toml"], "unrecognized arguments"),
+        (SMALL, ["--colour"], "--colour is not an option here"),
+        (SMALL, ["more.toml"], "more.toml belongs to no option"),
         (SMALL + "[contact.rough]\n", [], "small.toml: [contact] has 'law' and the table 'rough'"),
         (SMALL + "nu = 1\n", [], "small.toml: [question] has 'nu'; known are horizon"),
         (SMALL + "horizon = 1\n", [], "Cannot overwrite a value (at line 11"),
@@ -439,3 +439,24 @@ def test_several_laws_are_neither_verified_nor_run_by_one_rung(
 def test_no_file_is_a_refusal(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     assert "is not a file" in refused(capsys, "scene", str(tmp_path / "none.toml"))
     assert "required: FILE.toml" in refused(capsys, "scene")
+
+
+def test_resistances_of_the_command_replace_those_of_the_file(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    resisted = "[resistance]\nrolling_resistance = 0.5\npivoting_resistance = 0.02\n"
+    file = written(tmp_path, SMALL + resisted)
+    found = ask(capsys, file, "--rolling-resistance", "0.05", "--air-torque", "0.01")
+    against = [st.PivotingResistance(0.02), st.RollingResistance(0.05), st.AirTorque(0.01)]
+    scene = st.Scene(
+        contact=st.Viscous(0.3),
+        start={"theta": 1.57, "omega3": 1.8},
+        horizon=2.0,
+        tolerance=1e-5,
+        resistance=against,
+    )
+    assert found["value"] == pytest.approx(scene.answer().value, abs=1e-9)
+    plain = ask(capsys, written(tmp_path, SMALL))
+    assert plain["value"]["omega3"] > found["value"]["omega3"] + 1e-2
+    said = refused(capsys, "scene", file, "--max-seconds", "0")
+    assert "max_seconds is 0" in said

@@ -36,6 +36,12 @@ def derived(k: Any) -> Any:
     return formulas("spinning", "rough", k)
 
 
+def family() -> st.Family:
+    x, p = ca.SX.sym("x"), ca.SX.sym("p", 2)
+    system = st.System("s", x, p, p[0] * x - p[1] * x, states=("x",), parameters=("g", "c"))
+    return st.Family(system, "rest", at=("g",), held={"x": 0})
+
+
 CASES: list[tuple[str, Callable[[], Any], str]] = [
     ("drift without at", lambda: fall(at=None), "at is missing"),
     ("drift by a law's name", lambda: fall(contact="viscous"), "mu is missing"),
@@ -82,7 +88,11 @@ CASES: list[tuple[str, Callable[[], Any], str]] = [
         "'mue' is not an argument here; mu is",
     ),
     ("no contact", lambda: st.spectrum("rolling", at=1), "contact is missing"),
-    ("mu twice", lambda: st.spectrum("rolling", at=1, contact=V(1), mu=2), "not an argument here"),
+    (
+        "mu twice",
+        lambda: st.spectrum("rolling", at=1, contact=V(1), mu=2),
+        "Viscous(mu=1.0); leave mu out",
+    ),
     ("certify", lambda: st.spectrum("rolling", at=1, contact=V(1), certify=1), "certify"),
     ("mu zero", lambda: V(0), "Smooth()"),
     ("mu nan", lambda: V([0.1, np.nan]), "mu is nan"),
@@ -147,6 +157,19 @@ CASES: list[tuple[str, Callable[[], Any], str]] = [
         "NaN or infinite",
     ),
     ("unknown state", lambda: st.disk_system("rough").index("x"), "known are theta"),
+    ("a resistance that drives", lambda: st.AirTorque(-1), "drag is -1; it must be 0 or above"),
+    ("branch of nothing", lambda: st.branch(family(), 1.0, 2.0), "parameters is empty; give c"),
+    ("table of a number", lambda: st.table("drift", kk=0.25), "it takes k, mu, contact, disk and"),
+    (
+        "a motion as a map",
+        lambda: st.plot_map(st.simulate(st.Disk(), V(0.3), {"theta": 1.4}, 0.1)),
+        "dataset is a dataset (motion of a disk, viscous contact); give what stability_map",
+    ),
+    (
+        "a file as a folder",
+        lambda: st.write_map(chart(), f"{__file__}/a.nc"),
+        "test_bad_input.py is a file, and no folder",
+    ),
     (
         "rows of a CasADi matrix",
         lambda: st.disk_family("tumbling", "viscous").checked_states(

@@ -244,7 +244,7 @@ def test_what_cannot_be_drawn_is_refused_in_one_sentence_and_leaves_nothing(
         (run.isel(time=[0]), "a.gif", {}, "fewer than two samples"),
         (nan, "a.html", {}, "NaN"),
         (run.isel(time=[0, 2, 1]), "a.html", {}, "do not rise"),
-        ({"theta": 1}, "a.gif", {}, "dataset is dict"),
+        ({"theta": 1}, "a.gif", {}, "dataset is {'theta': 1}"),
         (run, "a.avi", {}, r"a\.avi; the name must end in .gif"),
         (run, "a", {}, "must end in .gif"),
         (run, "no/a.gif", {}, "does not exist"),

@@ -386,3 +386,21 @@ def test_the_account_closes_through_a_slip_that_sets_in_close_to_flat() -> None:
 def test_spectra_refuse_dry_friction_with_the_reason() -> None:
     with pytest.raises(st.StabilityError, match="no linearisation of its own"):
         st.spectrum("rolling", at=1.0, contact=st.Coulomb(0.3))
+
+
+def test_a_disk_that_is_nearly_flat_leaves_the_cone_with_a_slip_that_counts() -> None:
+    # it turns so fast that the slip of its first moment is 1e-15
+    low = [2.31141661e-05, -5.65619920e-06, 416.088242, -7.20943231e-04, 0, 0]
+    run = st.simulate(
+        st.Disk(),
+        st.Coulomb(0.3),
+        low,
+        0.03,
+        resistance=st.RollingResistance(0.0704),
+        check=False,
+        tolerance=1e-6,
+    )
+    assert run.attrs["outcome"] == "moving"
+    assert run.event_kind.values.tolist()[:3] == ["slip", "stick", "slip"]
+    turn = 2 * math.pi / 416
+    assert 0.5 * turn < float(run.event_time[2] - run.event_time[0]) < 2 * turn

@@ -43,7 +43,7 @@ def test_a_rest_that_no_family_lists_is_told() -> None:
 
 def test_sticking_is_a_rest() -> None:
     run = st.simulate(st.Disk(), st.Coulomb(0.3), {"theta": np.pi / 2}, 3.0)
-    assert said(run).endswith("settles on nothing; it rests")
+    assert said(run).endswith("no settling is proved; it rests")
 
 
 def test_a_coin_that_lies_almost_flat_is_told() -> None:

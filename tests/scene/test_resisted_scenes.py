@@ -4,11 +4,13 @@ import math
 from pathlib import Path
 from typing import Any
 
+import inertial_disk
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
 import stability as st
+from stability.integrators import stick_slip
 from stability.scene.toml_file import read
 
 RHO, DRAG = 0.3, 0.2
@@ -79,6 +81,46 @@ def test_a_scene_ends_where_simulate_ends(body: Any, law: Any) -> None:
         assert value["axis_Z"] == pytest.approx(math.cos(float(run.theta[-1])), abs=1e-5)
     plain = st.Scene(body=body, contact=law, start=start, horizon=3.0, tolerance=1e-6)
     assert plain.answer().value != pytest.approx(value, abs=1e-2)
+
+
+def nodding(**settings: Any) -> st.Scene:
+    """A low disk that slips and sticks as it nods, under dry friction and two resistances."""
+    return st.Scene(
+        contact=st.Coulomb(0.3),
+        start={"theta": 0.3, "theta_dot": 0.2, "phi_dot": 3.68},
+        horizon=50.0,
+        tolerance=1e-4,
+        quantities=("fall_time",),
+        resistance=[st.RollingResistance(0.2), st.PivotingResistance(0.05)],
+        **settings,
+    )
+
+
+def test_the_fall_time_under_dry_friction_is_the_limit_of_smoothed_friction(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    start, law = (0.3, 0.2, 3.68, 0.0, 0.0, 0.0), (0.25, 0.3, 0.2, 0.05)
+    far, near = (inertial_disk.fall_time(start, 0.03, 50.0, *law, eps) for eps in (1e-4, 1e-5))
+    assert near == pytest.approx(far, abs=1e-4)
+    for most in (stick_slip.SWITCHES, 40):  # the second: BDF takes over in every slip
+        monkeypatch.setattr(stick_slip, "SWITCHES", most)
+        answer = nodding(flat=0.03).answer()
+        assert answer.value == pytest.approx(near, abs=2e-5)
+        assert answer.estimate < 1e-6
+
+
+def test_a_run_that_gave_up_is_not_said_to_stay_up() -> None:
+    answer = nodding(max_seconds=1e-3, uncertain={"rho": 0.2}).answer()
+    assert answer.value is None
+    report = answer.report()
+    assert "not known, because runs are unresolved" in report
+    assert "does not fall flat" not in report
+    assert "more than 0.001 s of computing; give a larger max_seconds" in report
+
+
+def test_a_start_that_is_flat_is_refused() -> None:
+    with pytest.raises(st.StabilityError, match=r"theta of start is 0.05, flat within flat = 0\.1"):
+        st.Scene(contact=st.Rough(), start={"theta": 0.05}, horizon=1.0, flat=0.1).answer()
 
 
 def test_a_file_states_resistances(tmp_path: Path) -> None:

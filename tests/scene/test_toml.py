@@ -9,6 +9,10 @@ import numpy as np
 import pytest
 
 import stability as st
+from stability.bodies.newton_euler import STATES
+from stability.bodies.quantities import PHYSICAL
+from stability.bodies.resistance import RESISTANCES
+from stability.scene import toml_file
 from stability.scene.toml_file import LARGEST, read, titled
 
 FOLDER = Path(__file__).parents[2] / "examples" / "scenes"
@@ -308,3 +312,11 @@ def test_a_file_that_is_not_there_or_is_no_text_is_refused(tmp_path: Path) -> No
         with pytest.raises(st.StabilityError, match="[.]$") as told:
             read(path)  # type: ignore[arg-type]
         assert sentence in str(told.value)
+
+
+def test_the_page_of_the_file_names_every_key() -> None:
+    page = (FOLDER.parents[1] / "docs" / "explanation" / "scene-file.md").read_text()
+    of_file = *toml_file.LAUNCH, *toml_file.WHICH, *toml_file.QUESTION
+    keys = {*STATES, *of_file, *PHYSICAL, *RESISTANCES, "k", "title", "weight"}
+    assert {key for key in keys if f"`{key}`" not in page} == set()
+    assert {table for table in toml_file.TABLES[1:] if f"[{table}" not in page} == set()

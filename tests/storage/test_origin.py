@@ -106,7 +106,7 @@ def test_a_file_is_replaced_by_the_call_that_wrote_it_and_by_no_other(
     whole = path.read_bytes()
     for content, why in (
         (b"", "it is empty"),
-        (whole[: len(whole) // 2], "no record|bytes differ"),
+        (whole[: len(whole) // 2], "changed|no record|bytes differ"),
         (whole[:-1], "changed|no record|bytes differ"),
         (
             bytes([*whole[:40], whole[40] ^ 1, *whole[41:]]),

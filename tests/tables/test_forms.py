@@ -361,7 +361,7 @@ def test_bad_options_end_with_one_sentence(
     [
         ("lift", {}, "table is 'lift'; known are families"),
         ("families", {"k": 0.25}, "`table conditions`, `drift`, `hopf` and `codimension` only"),
-        ("drift", {"speed": 3.0}, "speed belongs to"),
+        ("drift", {"speed": 3.0}, "'speed' is not an argument of the table drift"),
         ("conditions", {"family": "rolling"}, "a family by name belongs to `table codimension`"),
         ("codimension", {"family": "rolling"}, "takes x and y"),
         ("launches", {}, "table is 'launches'; known are families, conditions, drift"),

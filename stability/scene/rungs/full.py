@@ -27,6 +27,8 @@ SLOW = 300.0
 LOOKS, SAFETY, ALONG = 201, 5.0, 1e-2
 """Times at which two runs are compared, the factor on their distance, and the ratio of tolerances
 of two runs that are compared on the way."""
+MOST_STEPS = 1_000_000_000
+"""Steps of a run; its computing time ends it before."""
 BRIEF = 0.25
 """Share of the computing time of a run for each that finds until when an answer holds."""
 LASTING = (Outcome.MOVING, Outcome.SETTLED)
@@ -111,7 +113,7 @@ def _settings(problem: Problem, tolerance: float, *, check: bool) -> Settings:
         False,
         problem.flat,
         problem.settle,
-        1_000_000,
+        MOST_STEPS,
         1,
         check,
         problem.max_seconds,

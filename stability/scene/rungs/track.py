@@ -13,6 +13,7 @@ from ...base.quantities import Kind
 from ...base.types import Floats
 from ...bodies.model import LIFT_OFF
 from ...integrators.flow import Flow, flow_of
+from ...motion.result import Settings
 from ...motion.starts import Starts
 from ...settling.settling import SETTLE, Nearest
 
@@ -34,9 +35,9 @@ class Problem:
     """Rising dimensionless times at which the motion is asked for, shape (m,); the last counts."""
     settle: float = SETTLE
     """Largest distance from a steady motion at which the motion can count as settled."""
-    flat: float = 1e-6
+    flat: float = Settings.flat
     """Angle from 0 or π that counts as flat."""
-    max_seconds: float = 8.0
+    max_seconds: float = Settings.max_seconds
     """Computing time of one run [s]."""
 
     @cached_property
