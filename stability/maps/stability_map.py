@@ -154,7 +154,9 @@ def stability_map(
     if levels is not None:
         levels = whole_number("levels", levels, 0, MOST_LEVELS)
     check_pool(executor, workers, progress)
-    problem, (across, up) = swept(family, {"x": x, "y": y}, disk, body, contact, at, parameters)
+    problem, (across, up) = swept(
+        family, {"x": x, "y": y}, disk, body, contact, at, parameters, linear=True
+    )
     axes = across, up
     box = None if box is None else sheet_box(problem.family, box)
     if (total := axes[0].count * axes[1].count) > MOST_CELLS:
