@@ -10,6 +10,7 @@ from typing import Any
 
 import casadi as ca
 
+from ...algebra.program import operations
 from ...algebra.switches import no_folding
 from ...base.errors import FileError, ParameterError, shown
 from .exact_terms import Probes, Term, graph, solve
@@ -136,6 +137,8 @@ def _scalar(
         return list(function.call(given))  # what cannot be written out stays as a call
     free = [ca.MX.sym("x", function.sparsity_in(i)) for i in range(function.n_in())]
     function = ca.Function("inlined", free, function.call(free, True, False))
+    if {ca.OP_SOLVE, ca.OP_DETERMINANT, ca.OP_LOGSUMEXP}.isdisjoint(operations(function)):
+        return list(function.call(given))
     entries: list[list[Any]] = [[ca.SX(0)] * function.nnz_out(i) for i in range(function.n_out())]
     work: dict[int, ca.SX] = {}
     for i in range(function.n_instructions()):
