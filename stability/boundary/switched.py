@@ -41,8 +41,6 @@ Search = Callable[[Problem, str, float, float], Boundaries]
 NONE: Mapping[tuple[str, float], int] = MappingProxyType({})
 WIDER = 8
 """Widths of an open part by which it is widened to see a switch."""
-NEAR = 4
-"""Distance from a switch, in units of its last place, at which a boundary counts as on it."""
 JUMP = "the equations switch here, and the linearisation jumps; "
 PASSED = "members pass a switch of the equations here, {} = {:.12g}; "
 LOST = "no crossing is proved at the switch here, and "
@@ -221,7 +219,8 @@ def _constant(
 
 
 def _on(point: Any, place: float) -> bool:
-    return bool(abs(point.value - place) <= NEAR * np.spacing(abs(place)))
+    """Whether a place lies in the proved bracket of a crossing."""
+    return bool(abs(point.value - place) <= point.error)
 
 
 def _verdict(line: AxisScan, value: float) -> str:
