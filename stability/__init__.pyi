@@ -68,4 +68,5 @@ from .systems.family import Family as Family
 from .systems.linear import linear as linear
 from .systems.mechanics import mechanics as mechanics
 from .systems.system import System as System
+from .systems.tabulated import tabulated as tabulated
 from .tables.registry import table as table

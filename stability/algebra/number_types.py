@@ -118,8 +118,20 @@ def balls() -> Algebra:
     """
     names = (*UNARY, *MORE)
     table: dict[str, Callable[..., Any]] = {name: operator.methodcaller(name) for name in names}
-    table |= {"pow": ball_power, "fabs": abs, "atan2": ball_angle}
+    table |= {"pow": ball_power, "fabs": abs, "sign": ball_sign, "atan2": ball_angle}
     return Algebra("ball", arb, table)
+
+
+def ball_sign(x: Any) -> Any:
+    """The sign of a ball or an exact number; nan where it is not known.
+
+    Examples
+    --------
+    >>> from flint import arb
+    >>> ball_sign(arb(2, 1)), ball_sign(arb(0, 1))
+    (1, nan)
+    """
+    return 1 if x > 0 else -1 if x < 0 else arb("nan")
 
 
 def ball_angle(y: Any, x: Any) -> Any:
@@ -188,8 +200,13 @@ def casadi_algebra() -> Algebra:
         return lambda x: getattr(x, name)() if isinstance(x, Upright) else getattr(ca, name)(x)
 
     table: dict[str, Callable[..., Any]] = {name: exact(name) for name in (*UNARY, *MORE)}
-    table |= {"pow": ca.power, "fabs": ca.fabs, "atan2": ca.atan2}
+    table |= {"pow": ca.power, "fabs": ca.fabs, "sign": _casadi_sign, "atan2": ca.atan2}
     return Algebra("casadi", ca.SX, table)
+
+
+def _casadi_sign(x: Any) -> Any:
+    """The sign, which has no value at the number 0; CasADi's own is 0 there."""
+    return x / ca.fabs(x) if ca.SX(x).is_constant() else ca.sign(x)
 
 
 class _Later:
@@ -332,6 +349,6 @@ MIXED = Algebra(
     "rationals and balls",
     arb,
     {name: partial(lambda method, x: getattr(arb(x), method)(), name) for name in (*UNARY, *MORE)}
-    | {"pow": ball_power, "fabs": abs, "atan2": ball_angle},
+    | {"pow": ball_power, "fabs": abs, "sign": ball_sign, "atan2": ball_angle},
 )
 """Rationals stay rational; a function makes them balls."""

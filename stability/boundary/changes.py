@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from typing import Literal, TypeVar, overload
 
 import numpy as np
@@ -38,6 +38,7 @@ from .brackets import AxisScan, Boundaries, BoundaryPoint, Crossings, Unresolved
 from .by_floats import float_boundaries, float_crossings
 from .every_crossing import crossings_in_pieces, every_crossing
 from .interval_search.pieces import meaningful, proved
+from .switched import joined, met_by_members, passings, switched
 
 Points = TypeVar("Points", Boundaries, Crossings)
 SYMMETRIC = "; members are symmetric, which is proved, and were solved for in symmetric coordinates"
@@ -165,7 +166,16 @@ def boundaries(
     """
     every = flag("every", every)
     problem, (grid,) = swept(
-        family, {"axis": axis}, disk, body, contact, at, parameters, exact=True, most=MOST_SCAN
+        family,
+        {"axis": axis},
+        disk,
+        body,
+        contact,
+        at,
+        parameters,
+        exact=True,
+        linear=True,
+        most=MOST_SCAN,
     )
     numeric = isinstance(problem.family.system, NumericSystem)
     if every:
@@ -198,11 +208,29 @@ def boundaries(
 
 def every_along(problem: Problem, grid: Axis) -> Crossings:
     """Every crossing of the imaginary axis along one axis, each as a proved bracket."""
-    fixed = {n: float(v) for n, v in problem.values.items() if n != grid.name}
-    line = AxisScan(problem, grid.name, fixed)
+    return _piecewise(problem, grid.name, grid.low, grid.high, partial(_every, grid=grid))
+
+
+def _every(problem: Problem, axis: str, low: float, high: float, *, grid: Axis) -> Crossings:
+    fixed = {n: float(v) for n, v in problem.values.items() if n != axis}
+    line = AxisScan(problem, axis, fixed)
     searches = every_crossing, crossings_in_pieces
-    crossings = _along(line, grid.low, grid.high, grid.count, log=grid.log, searches=searches)
-    return meaningful(line, grid.low, grid.high, crossings)
+    crossings = _along(line, low, high, grid.count, log=grid.log, searches=searches)
+    return meaningful(line, low, high, crossings)
+
+
+def _piecewise(
+    problem: Problem,
+    axis: str,
+    low: float,
+    high: float,
+    search: Callable[[Problem, str, float, float], Points],
+) -> Points:
+    """The search, on each smooth piece where there are switches along the axis."""
+    places: tuple[float, ...] = switched(problem.family, axis)
+    if any(low <= place <= high for place in places):
+        return joined(problem, axis, [low, *(v for v in places if low < v < high), high], search)
+    return search(problem, axis, low, high)
 
 
 def _described(problem: Problem, grid: Axis, result: Points) -> Points:
@@ -318,15 +346,29 @@ def along(
     """
     if points < 2 or not low < high:
         raise ParameterError(f"the scan from {low} to {high} with {points} points is empty.")
+    return _piecewise(problem, axis, low, high, partial(_smooth, points=points, log=log))
+
+
+def _smooth(
+    problem: Problem, axis: str, low: float, high: float, *, points: int, log: bool
+) -> Boundaries:
+    """The same where no switch is known along the axis."""
     fixed = {n: float(v) for n, v in problem.values.items() if n != axis}
     line = AxisScan(problem, axis, fixed)
     changes = None
     if line.formulas is not None:  # a piece that is proved has members that are proved
         changes = proved(line, Axis(axis, low, high, points, log).values, log=log)
     if changes is None or not changes.complete:
-        either = searched, proved
-        whole = _along(line, low, high, points, log=log, searches=either)
-        changes = meaningful(line, low, high, whole)
+        again = partial(_smooth, points=2, log=False)
+
+        def in_pieces(
+            line: AxisScan, grid: Floats, *, log: bool, singular: Mapping[float, str]
+        ) -> Boundaries:
+            known = {**passings(line, grid), **singular}
+            return met_by_members(line, proved(line, grid, log=log, singular=known), again)
+
+        whole = _along(line, low, high, points, log=log, searches=(searched, in_pieces))
+        changes = met_by_members(line, meaningful(line, low, high, whole), again)
     return replace(changes, points=tuple(crossed(line, point) for point in changes))
 
 

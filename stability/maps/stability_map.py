@@ -157,7 +157,9 @@ def stability_map(
     if levels is not None:
         levels = whole_number("levels", levels, 0, MOST_LEVELS)
     check_pool(executor, workers, progress)
-    problem, (across, up) = swept(family, {"x": x, "y": y}, disk, body, contact, at, parameters)
+    problem, (across, up) = swept(
+        family, {"x": x, "y": y}, disk, body, contact, at, parameters, linear=True
+    )
     axes = across, up
     if certify and isinstance(problem.family.system, NumericSystem):
         raise ParameterError(problem.family.system.no_graph)

@@ -274,7 +274,9 @@ def stream_map(
     """
     growth = flag("growth", growth)
     check_pool(executor, workers, progress)
-    problem, (across, up) = swept(family, {"x": x, "y": y}, disk, body, contact, at, parameters)
+    problem, (across, up) = swept(
+        family, {"x": x, "y": y}, disk, body, contact, at, parameters, linear=True
+    )
     axes = across, up
     judge = None if growth else judge_of(problem, axes)
     total = axes[0].count * axes[1].count

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..base.axis import MOST_POINTS, Axis, AxisLike
-from ..base.errors import NameUnknownError, ParameterError, shown
+from ..base.errors import DomainError, NameUnknownError, ParameterError, shown
 from ..base.types import Floats
 from ..bodies.contact_laws import Contact
 from ..bodies.disk import Disk
@@ -20,7 +20,7 @@ from ..bodies.subject import NONE, Subject, refuse_unknown, subject_of
 from ..systems.family import Family
 from ..systems.sources.numeric import NumericSystem
 from ..systems.structure.structural_zeros import steady_where
-from .problem import Problem, disk_roundings, problem_of
+from .problem import Problem, disk_roundings, problem_of, through_switches
 
 RESERVED = (
     "abscissa",
@@ -50,6 +50,7 @@ def swept(
     parameters: Mapping[str, Any] = NONE,
     *,
     exact: bool = False,
+    linear: bool = False,
     most: int = MOST_POINTS,
 ) -> tuple[Problem, tuple[Axis, ...]]:
     """The problem of a call with axes, and the axes.
@@ -63,6 +64,8 @@ def swept(
     exact
         Whether numbers that are exact by their type stay so; otherwise they are rounded, with a
         warning.
+    linear
+        Whether the linearisation alone is asked, which may go through switches.
     most
         Most points of an axis.
 
@@ -86,7 +89,12 @@ def swept(
     if not subject.family.at and subject.disk is None:
         raise ParameterError(f"{subject.family.name} has one member alone, and so no axis.")
     grids = [_called(grid, subject) for grid in grids]
-    return along_axes(subject, grids, exact=exact), tuple(grids)
+    try:
+        return along_axes(subject, grids, exact=exact), tuple(grids)
+    except DomainError:
+        if not linear or (smooth := through_switches(subject)) is subject:
+            raise
+    return along_axes(smooth, grids, exact=exact), tuple(grids)
 
 
 def _called(grid: Axis, subject: Subject) -> Axis:

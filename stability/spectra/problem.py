@@ -46,6 +46,7 @@ from ..polynomials.identities import certain
 from ..polynomials.zero_blocks import semisimple
 from ..systems.closed_form import ClosedForm
 from ..systems.family import Family
+from ..systems.graph.sides import continuous, on_sides, switches_at
 from ..systems.structure.enclosure import characteristic
 from ..systems.structure.structural_zeros import SAMPLE_BITS, SAMPLES, sampled, structure
 
@@ -180,6 +181,30 @@ def broadcast_shape(values: Mapping[str, Any]) -> tuple[int, ...]:
         raise ParameterError(
             f"the arrays do not broadcast: their shapes are {listed}; make them fit."
         ) from None
+
+
+def known_numbers(family: Family, values: Mapping[str, Any]) -> dict[str, float]:
+    """The states that a family holds, and single numbers that a call gives, by name."""
+    found = {n: v for n, v in family.fixed.items() if isinstance(v, float)}
+    for name, value in values.items():
+        with suppress(TypeError, ValueError, OverflowError):  # an array is no single number
+            found[family.meaning(name)] = float(value)
+    return found
+
+
+def through_switches(subject: Subject) -> Subject:
+    """A subject of which all members lie on switches of states, by the equations of one side.
+
+    It is the same subject where the slopes are not proved the same on all sides.  What lies beyond
+    the linearisation differs from side to side.
+    """
+    system = subject.family.system
+    numbers = known_numbers(subject.family, {**subject.numbers, **subject.member})
+    here = [pair for pair in switches_at(system, numbers) if pair[0] in system.states]
+    if not here or not continuous(system, numbers):
+        return subject
+    sided = on_sides(system, dict(here), dict.fromkeys(here, 1))
+    return replace(subject, family=replace(subject.family, system=sided))
 
 
 def problem_of(subject: Subject) -> Problem:

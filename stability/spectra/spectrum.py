@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -14,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..algebra.eigensolver import chosen
 from ..algebra.running_error import UNIT
 from ..base.checks import flag
-from ..base.errors import DomainError, NoMemberError, ParameterError
+from ..base.errors import DomainError, NoMemberError, ParameterError, StabilityError
 from ..base.types import Complexes, Floats
 from ..base.verdict import CODES, Verdict
 from ..bodies.contact_laws import Contact
@@ -23,12 +24,13 @@ from ..bodies.round_body.body import Body
 from ..bodies.subject import subject_of
 from ..polynomials.zero_blocks import semisimple
 from ..systems.family import Family
+from ..systems.graph.sides import on_sides, switches_at
 from ..systems.sources.numeric import NumericSystem
 from ..systems.structure.structural_zeros import structure
 from .deflation import MemberNumbers, Reduced, drift_powers, drifting
 from .eigenvalues import Eigenpairs, decide, eigenvalues
 from .numeric import numeric_spectrum
-from .problem import Problem, broadcast_shape, problem_of
+from .problem import Problem, broadcast_shape, known_numbers, problem_of, through_switches
 from .result import NOT_ASKED, Spectrum, SpectrumProof
 
 if TYPE_CHECKING:
@@ -282,6 +284,35 @@ def spectrum(
     problem = problem_of(subject)
     if isinstance(problem.family.system, NumericSystem):
         return numeric_spectrum(problem, certify=certify)
+    try:
+        return _of_problem(problem, certify=certify, escalate=escalate)
+    except DomainError as error:
+        if (smooth := through_switches(subject)) is not subject:
+            return _of_problem(problem_of(smooth), certify=certify, escalate=escalate)
+        raise DomainError(f"{str(error).removesuffix('.')}{_beside(problem)}.") from None
+
+
+def _beside(problem: Problem) -> str:
+    """The proved verdicts on the two sides of the switch on which a member lies, in words."""
+    system = problem.family.system
+    here = switches_at(system, known_numbers(problem.family, problem.values))
+    if len(here) != 1:
+        return ""
+    from .certificate import verdict
+
+    words = []
+    for way in (-1, 1):
+        sided = on_sides(system, dict(here), {here[0]: way})
+        side = replace(problem, family=replace(problem.family, system=sided), exact=None)
+        words.append(Verdict.UNDECIDED.word)
+        with suppress(StabilityError, TypeError):
+            words[-1] = verdict(side, problem.values).word
+    name, place = here[0]
+    return f"; next to {name} = {place:.12g} the verdict is {words[0]} below and {words[1]} above"
+
+
+def _of_problem(problem: Problem, *, certify: bool, escalate: bool) -> Spectrum:
+    """The spectrum of a problem with a graph."""
     rows = Rows(problem, exact=certify or escalate)
     resolved, shape, rate = problem.family, rows.shape, rows.place.rate
     # rounding of the product with the unit

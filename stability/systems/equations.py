@@ -30,6 +30,7 @@ from .system_checks import (
     names,
     singular_parts,
 )
+from .tabulated import interpolated
 
 
 class Portable:
@@ -209,13 +210,15 @@ class Equations(Portable, Record):
         implicit = {n: v for n in ("mass", "forcing") if (v := getattr(self, n)) is not None}
         limits = [c.value for c in self.conditions]
         parts = [self.rhs, *self.observables.values(), *limits, *implicit.values()]
-        if (found := by_signs([self.x, self.p], parts)) is None:
+        ends: list[tuple[ca.SX, str]] = []
+        if (found := by_signs([self.x, self.p], parts, interpolated, ends)) is None:
             return
         rest = iter(found)
         object.__setattr__(self, "rhs", next(rest))
         object.__setattr__(self, "observables", {n: next(rest) for n in self.observables})
-        conditions = tuple(replace(c, value=next(rest)) for c in self.conditions)
-        object.__setattr__(self, "conditions", conditions)
+        conditions = [replace(c, value=next(rest)) for c in self.conditions]
+        conditions += [Condition(*end) for end in ends]
+        object.__setattr__(self, "conditions", tuple(dict.fromkeys(conditions)))
         for name in implicit:
             object.__setattr__(self, name, next(rest))
 

@@ -195,8 +195,9 @@ class System(Equations):
         Parameters
         ----------
         function
-            A `casadi.Function` of (x) or (x, p) that returns the rates and any named observables;
-            the path of a file that its `save` wrote; or a Python function f(x, p) → rates.
+            A `casadi.Function` (SX or MX) of (x) or (x, p) that returns the rates and any named
+            observables; the path of a file that its `save` wrote; or a Python function
+            f(x, p) → rates.
         name
             Name of the system; that of the function when left out.
         states, parameters

@@ -109,7 +109,8 @@ def check_system(system: Any) -> None:
         value = getattr(system, what)
         if not isinstance(value, ca.SX):
             raise ParameterError(
-                f"{what} is a {type(value).__name__}; give a CasADi SX expression."
+                f"{what} is a {type(value).__name__}; give a CasADi SX expression, or a "
+                "Function of MX to System.from_function."
             )
     _check_symbols("x", system.x, system.states)
     _check_symbols("p", system.p, system.parameters)

@@ -146,6 +146,7 @@ REASONS = {
             "System",
             "mechanics",
             "linear",
+            "tabulated",
             "Condition",
             "UPRIGHT",
             "Family",

@@ -1,6 +1,7 @@
 """Systems from CasADi functions, live or from a file."""
 
 import runpy
+from collections.abc import Callable
 from fractions import Fraction
 from pathlib import Path
 
@@ -91,13 +92,74 @@ def test_functions_that_do_not_fit_are_refused() -> None:
         st.System.from_function(3)
 
 
-def test_functions_without_a_smooth_scalar_graph_are_refused() -> None:
+X, P = ca.MX.sym("x", 2), ca.MX.sym("p")
+MASS = ca.blockcat([[2 + X[0] ** 2, 1], [0.5, 3 + P]])
+SQUARE = ca.Function("square", [s := ca.MX.sym("s")], [s**2])
+PULL = ca.Function("pull", [X, P], [-P * X[0] * X[1]])
+MX_RATES: dict[str, Callable[[], ca.MX]] = {
+    "if_else": lambda: -ca.if_else(X[0] > 1, X[1], 2 * X[1]) * X,
+    "if_else that calls": lambda: X * ca.if_else(P > 0.5, PULL(X, P), -X[1], True),
+    "conditional on a comparison": lambda: -ca.conditional(P > 0.5, [X[1]], 2 * X[1], True) * X,
+    "conditional on a number": lambda: -ca.conditional(2 * P, [X[1], 3 * X[0]], 2 * X[1]) * X,
+    "map": lambda: -ca.sum2(SQUARE.map(2)(X.T)) * X,
+    "call": lambda: X * PULL(X, P),
+    "sparse": lambda: -(ca.MX(ca.DM(ca.Sparsity.lower(2), [1.0, 2, 3])) @ X),
+    "solve": lambda: -ca.solve(MASS, X),
+    "solve transposed": lambda: -ca.solve(MASS.T, X),
+    "inverse": lambda: -(ca.inv(MASS) @ X),
+    "determinant": lambda: -ca.det(MASS) * X,
+    "norms": lambda: -ca.norm_2(X) * X - ca.norm_inf(X) - ca.norm_1(X),
+    "reshape": lambda: ca.reshape(ca.horzcat(-X[0], -P * X[1]), 2, 1),
+    "sumsqr": lambda: -ca.sumsqr(X) * X,
+    "maxima": lambda: -ca.fmin(P, X[0]) * X - ca.mmax(X) * ca.fmax(X[1], 0.125),
+    "logsumexp": lambda: -ca.logsumexp(X) * X,
+    "split": lambda: ca.vertcat(*ca.vertsplit(-X)[::-1]),
+    "diagonal blocks": lambda: -(ca.diagcat(X[0], MASS)[1:, 1:] @ X),
+}
+
+
+@pytest.mark.parametrize("name", MX_RATES)
+def test_mx_graphs_have_the_values_and_slopes_of_casadi(name: str) -> None:
+    rates = MX_RATES[name]()
+    function = ca.Function("rates", [X, P], [rates, ca.jacobian(rates, X)])
+    system = st.System.from_function(ca.Function("f", [X, P], [rates], ["x", "p"], ["rates"]))
+    chance = np.random.default_rng(8)
+    for _ in range(20):
+        place = chance.uniform(0.1, 2, 2), [chance.uniform(0.1, 0.9)]
+        value, slope = (np.array(ca.densify(v)) for v in function(*place))
+        assert system.rates(*place) == pytest.approx(value.ravel(), rel=1e-12, abs=1e-13)
+        assert system.linearise(*place) == pytest.approx(slope, rel=1e-11, abs=1e-12)
+
+
+@pytest.mark.parametrize("mass", [[[0.1, 3.0], [7.0, 0.0]], [[0.1, 0.3], [0.7, 0.2]]])
+def test_a_solution_by_mx_is_exact_or_says_that_it_is_rounded(mass: list[list[float]]) -> None:
+    """M⁻¹ M x - x vanishes for all x, if no quotient is rounded."""
+    x = ca.MX.sym("x", 3)
+    matrix = ca.MX(ca.DM(mass))
+    rates = ca.vertcat(ca.solve(matrix, matrix @ x[:2]) - x[:2], -x[2])
+    system = st.System.from_function(ca.Function("f", [x], [rates], ["x"], ["rates"]))
+    assert np.abs(system.rates([0.5, 0.25, 1.0], [])[:2]).max() < 1e-15
+    if "rounded to doubles" in system.approximation:
+        assert mass[1][1]
+        return
+    family = st.Family(system, "rest", at=("x_2",), held={"x_0": 0.5, "x_1": 0.25})
+    found = st.spectrum(family, at=0.0, certify=True)
+    assert found.structural_zeros == 2 and found.eigenvalues.tolist() == [-1]
+
+
+def test_functions_without_a_scalar_graph_are_refused() -> None:
     x = ca.MX.sym("x")
     solver = ca.integrator("I", "cvodes", {"x": x, "ode": -x}, 0, 1)
-    branch = ca.Function("f", [x], [ca.if_else(x > 0, x, -x)])
-    for function in (ca.Function("g", [x], [solver(x0=x)["xf"]]), branch):
-        with pytest.raises(st.StabilityError, match="is no graph of smooth elementary functions"):
-            st.System.from_function(function)
+    knots, coefficients = [[0, 0, 0, 0, 1, 2, 3, 3, 3, 3]], ca.DM([1, 2, 3, 4, 5, 6])
+    for rate, said in (
+        (solver(x0=x)["xf"], "it is an integrator, a root-finder or outside code"),
+        (ca.bspline(x, coefficients, knots, [3], 1, {}), "an operation that CasADi does not write"),
+        (ca.low(ca.DM([0, 1, 2]), x), "an operation that CasADi does not write out"),
+    ):
+        with pytest.raises(st.StabilityError, match="is no graph of smooth elementary.*" + said):
+            st.System.from_function(ca.Function("g", [x], [rate]))
+    with pytest.raises(st.StabilityError, match="x is a MX; .* Function of MX to System.from_"):
+        st.System("mx", x, x, -x, states=("x",))  # type: ignore[arg-type]
 
 
 def test_wrong_files_are_refused_in_one_sentence(tmp_path: Path) -> None:

@@ -104,13 +104,18 @@ class Constants:
                 met.append(("fabs", x))
             return ca.fabs(x)
 
+        def sign(x: Any) -> Any:
+            if met is not None:
+                met.append(("sign", x))
+            return plain.functions["sign"](x)
+
         def angle(y: Any, x: Any) -> Any:
             if met is not None:
                 met.append(("atan2", y))
             numbers = all(isinstance(v, ca.SX) and v.is_constant() for v in (y, x))
             return ca.atan2(*(self._kept(float(v)) if numbers else v for v in (y, x)))
 
-        other = {"pow": power, "fabs": size, "atan2": angle}
+        other = {"pow": power, "fabs": size, "sign": sign, "atan2": angle}
         table = {name: kept(name) for name in plain.functions if name not in other}
         return Algebra("casadi", self, table | other)
 
@@ -131,11 +136,11 @@ class Constants:
 def rounded(name: str, x: Any) -> bool:
     """Whether CasADi's own number for a function of an argument may be wrong.
 
-    CasADi rounds functions of numbers as soon as it builds an expression, and gives
-    |x| a slope at 0.  `atan2` has two arguments, and is read again in any case.
+    CasADi rounds functions of numbers as soon as it builds an expression, and gives |x| a slope and
+    x a sign at 0.  `atan2` has two arguments, and is read again in any case.
     """
     known = isinstance(x, ca.SX) and x.is_constant()
-    if name in ("pow", "fabs", "atan2"):
+    if name in ("pow", "fabs", "sign", "atan2"):
         return bool(known or name != "pow")
     return bool(known and float(x) != (RATIONAL_AT | RATIONAL_TOO).get(name, (float(x), 0))[0])
 

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from fractions import Fraction
 from os import PathLike, fspath
 from pathlib import Path
 from typing import Any
 
 import casadi as ca
 
-from ...algebra.program import Program
+from ...algebra.program import operations
 from ...algebra.switches import no_folding
 from ...base.errors import FileError, ParameterError, shown
+from .exact_terms import Probes, Term, graph, solve
 
 
 def is_python(function: Any) -> bool:
@@ -34,7 +36,7 @@ def casadi_function(
     Returns
     -------
     dict
-        name, x, p, rhs, states, parameters, observables.
+        name, x, p, rhs, states, parameters, observables, approximation.
 
     Raises
     ------
@@ -72,8 +74,18 @@ def casadi_function(
     names += [()] * (2 - inputs)
     x, p = (ca.vertcat(*map(ca.SX.sym, some)) if some else ca.SX(0, 1) for some in names)
     with no_folding():  # the graph as it is: CasADi joins constants in doubles
-        scalar = _expanded(function)
-        found = scalar.call([x, p][:inputs])
+        rounded: list[str] = []
+        try:
+            found = _scalar(function, [x, p][:inputs], Probes(x, p), rounded)
+        except ParameterError:
+            raise
+        except Exception:  # CasADi raises several exception classes
+            raise ParameterError(
+                f"the function {function.name()} is no graph of smooth elementary functions: it "
+                "holds an operation that CasADi does not write out, such as bspline or low (but an "
+                "interpolant is read); build that part with SX, or give a Python function, of "
+                "which nothing can be proved."
+            ) from None
     return {
         "name": function.name(),
         "x": x,
@@ -82,6 +94,7 @@ def casadi_function(
         "states": names[0] if states is None else states,
         "parameters": names[1] if parameters is None else parameters,
         "observables": dict(zip(function.name_out()[1:], found[1:], strict=True)),
+        "approximation": "".join(rounded),
     }
 
 
@@ -112,15 +125,91 @@ def _loaded(path: Any) -> ca.Function:
     return found
 
 
-def _expanded(function: ca.Function) -> ca.Function:
-    """The function as scalar operations that every number type has, or a refusal."""
-    try:
-        scalar = function if function.is_a("SXFunction") else function.expand()
-        Program(scalar)
-    except Exception:  # CasADi raises several exception classes
-        raise ParameterError(
-            f"the function {function.name()} is no graph of smooth elementary functions: it "
-            "branches, or calls an integrator, a root-finder or outside code; rewrite that part, "
-            "or give a Python function, of which nothing can be proved."
-        ) from None
-    return scalar
+def _scalar(
+    function: ca.Function, given: list[ca.SX], probes: Probes, rounded: list[str]
+) -> list[ca.SX]:
+    """The outputs of a function as scalar operations, one instruction after another.
+
+    CasADi's own `expand` has no linear solver, and a determinant by it branches on its pivots.
+    `rounded` takes what a proof speaks of where numbers are rounded.
+    """
+    if function.class_name() != "MXFunction":
+        return list(function.call(given))  # what cannot be written out stays as a call
+    free = [ca.MX.sym("x", function.sparsity_in(i)) for i in range(function.n_in())]
+    function = ca.Function("inlined", free, function.call(free, True, False))
+    if {ca.OP_SOLVE, ca.OP_DETERMINANT, ca.OP_LOGSUMEXP}.isdisjoint(operations(function)):
+        return list(function.call(given))
+    entries: list[list[Any]] = [[ca.SX(0)] * function.nnz_out(i) for i in range(function.n_out())]
+    work: dict[int, ca.SX] = {}
+    for i in range(function.n_instructions()):
+        code, node = function.instruction_id(i), function.instruction_MX(i)
+        to, read = function.instruction_output(i), function.instruction_input(i)
+        if code == ca.OP_INPUT:
+            work[to[0]] = given[read[0]]
+            continue
+        parts = [work[r] for r in read]
+        if code == ca.OP_OUTPUT:
+            start = node.info()["offset"]
+            entries[to[0]][start : start + parts[0].nnz()] = parts[0].nonzeros()
+            continue
+        if code == ca.OP_CONST:
+            values = [ca.SX(node.to_DM())]
+        elif code == ca.OP_CALL:
+            values = _scalar(node.which_function(), parts, probes, rounded)
+        elif code == ca.OP_SOLVE:
+            matrix = parts[1].T if node.info()["tr"] else parts[1]
+            try:
+                values = [_solution(matrix, parts[0], probes)]
+            except ParameterError:  # a fraction of two numbers, neither of which is a double
+                values = [ca.solve(matrix, parts[0])]
+                rounded[:] = [ROUNDED]
+        elif code == ca.OP_RESHAPE:
+            values = [ca.reshape(parts[0], *node.shape)]
+        elif code in WRITTEN:
+            values = [WRITTEN[code](*parts)]
+        else:
+            values = _operation(node, parts)
+        work |= dict(zip(to, values, strict=True))
+    return [
+        ca.SX(function.sparsity_out(i), ca.vertcat(*own)) if own else ca.SX(*function.size_out(i))
+        for i, own in enumerate(entries)
+    ]
+
+
+def _log_of_sum(x: ca.SX) -> ca.SX:
+    total: ca.SX = ca.log(ca.sum1(ca.exp(x)))
+    return total
+
+
+ROUNDED = "for the equations with the numbers of a solved linear system rounded to doubles"
+"""What a proof speaks of where the solution of a linear system has no exact graph."""
+WRITTEN: dict[int, Callable[..., ca.SX]] = {
+    ca.OP_DETERMINANT: ca.det,
+    ca.OP_LOGSUMEXP: _log_of_sum,
+    ca.OP_HORZCAT: ca.horzcat,
+    ca.OP_VERTCAT: ca.vertcat,
+    ca.OP_DIAGCAT: ca.diagcat,
+}
+"""Operations on matrices that CasADi does not write out, or not without branches or by one node."""
+
+
+def _operation(node: ca.MX, parts: list[ca.SX]) -> list[ca.SX]:
+    """The outputs of one operation on matrices."""
+    inner = [node.dep(k) for k in range(node.n_dep())]
+    free = [ca.MX.sym("x", part.sparsity()) for part in inner]
+    outer = [node] if node.n_out() == 1 else [node.get_output(k) for k in range(node.n_out())]
+    alone = ca.Function("operation", free, ca.graph_substitute(outer, inner, free))
+    return list(alone.expand().call(parts))
+
+
+def _solution(matrix: ca.SX, right: ca.SX, probes: Probes) -> ca.SX:
+    """The solution of matrix · X = right by elimination, each number exact."""
+
+    def term(entry: ca.SX) -> Term:
+        return Fraction(float(entry)) if entry.is_constant() else entry
+
+    size = range(matrix.size1())
+    rows = [[term(matrix[i, j]) for j in size] for i in size]
+    columns = [[term(right[i, k]) for i in size] for k in range(right.size2())]
+    solved = (solve(rows, column, [(size, size)], probes)[0] for column in columns)
+    return ca.horzcat(*(ca.vertcat(*map(graph, column)) for column in solved))

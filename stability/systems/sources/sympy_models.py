@@ -52,6 +52,8 @@ DIRECT: dict[str, Callable[[Any], Any]] = {n: getattr(ca, n) for n in (*UNARY, *
     "Heaviside": above,
 }
 """Functions of one number in SymPy that a graph has, by SymPy's name."""
+TABLE = "tabulated"
+"""Attribute of a SymPy function that is given by a table: what it is in a graph."""
 ANGLE = "atan2"
 """The one function of two numbers."""
 PIECES: dict[str, Callable[[Term, Term], Term]] = {
@@ -137,7 +139,7 @@ def _parts(one: Any) -> tuple[Any, ...]:
         return tuple(one.args[:1])
     if one.is_Relational or one.is_Boolean or name in PIECES:
         return tuple(one.args)
-    known = one.is_Function and name in (*DIRECT, *RECIPROCAL, ANGLE)
+    known = one.is_Function and (name in (*DIRECT, *RECIPROCAL, ANGLE) or hasattr(one, TABLE))
     return tuple(one.args) if one.is_Add or one.is_Mul or known else ()
 
 
@@ -217,6 +219,8 @@ def _power(one: Any, parts: list[Term]) -> Term:
 
 def _function(one: Any, part: Term) -> Term:
     name = type(one).__name__
+    if hasattr(one, TABLE):
+        return getattr(one, TABLE)(graph(part))
     if name not in DIRECT and name not in RECIPROCAL:
         raise _refusal(one)
     if isinstance(part, Fraction):
