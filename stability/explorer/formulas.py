@@ -289,6 +289,11 @@ def solver_of(family: Family) -> Solver | None:
     StabilityError
         If more is solved for than the page can find.
     """
+    if family.trimmed:
+        raise StabilityError(
+            f"{family.name} is solved for {', '.join(family.trimmed)}; the page solves for states "
+            "alone. Name the family by it."
+        )
     if not family.unknown or family.closed:
         return None
     if len(family.unknown) > MOST_UNKNOWNS or family.graph.finder is None:

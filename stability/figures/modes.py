@@ -41,7 +41,9 @@ def swept(spectrum: Spectrum) -> tuple[str, Floats]:
             f"the spectrum has shape {shape}; give a single one, or one along one axis."
         )
     given = spectrum.values or {spectrum.family.at[0]: np.asarray(spectrum.at)[:, 0]}
-    along = {n: np.asarray(v, dtype=float) for n, v in given.items() if np.size(v) > 1}
+    solved = spectrum.family.trimmed
+    several = {n: v for n, v in given.items() if np.size(v) > 1 and n not in solved}
+    along = {n: np.asarray(v, dtype=float) for n, v in several.items()}
     moved = {n: np.broadcast_to(v, shape) for n, v in along.items() if np.ptp(v) > 0}
     if len(moved) != 1:
         raise ParameterError(

@@ -137,12 +137,44 @@ def test_random_trims_have_the_eigenvalues_of_the_jacobian_alone() -> None:
         assert found.certified and (found.verdict is st.Verdict.STABLE) == (wanted.real.max() < 0)
 
 
+def test_a_condition_on_what_is_solved_for_ends_the_family() -> None:
+    """The thrust drag v² may be at most 3: with drag = 1 there is no member above v = √3."""
+    thrust, drag, v = (ca.SX.sym(n) for n in ("thrust", "drag", "v"))
+    limit = st.Condition(3 - thrust, "the thrust is {value:g} below its limit")
+    limited = st.System(
+        "limited",
+        v,
+        ca.vertcat(thrust, drag),
+        thrust - drag * v * v,
+        states=("v",),
+        parameters=("thrust", "drag"),
+        conditions=(limit,),
+    )
+    family = limited.steady("v", unknown="thrust", guess={"v": 1.0, "thrust": 1.0, "drag": 1.0})
+    assert st.boundaries(family, axis=("v", 0.1, 1.7, 9), drag=1.0).complete
+    with pytest.raises(st.StabilityError, match="-1.84 below its limit"):
+        st.boundaries(family, axis=("v", 0.1, 2.2, 9), drag=1.0)
+    found = st.stability_map(family, x=("v", 0.1, 2.2, 40), y=("drag", 0.5, 1, 20))
+    none = (found.verdict == 4).transpose("drag", "v").values
+    assert (none == (found.drag * found.v**2 > 3).transpose("drag", "v").values).all()
+
+
+def test_a_locus_is_drawn_along_what_names_the_members() -> None:
+    family = car().steady("v", unknown="thrust", guess={"v": 2.0, "thrust": 1.0, "drag": 0.5})
+    figure = st.plot_locus(st.spectrum(family, at=np.linspace(1, 3, 9), drag=0.5))
+    assert figure.axes
+
+
 def test_what_cannot_take_a_trim_says_so(tmp_path: Any) -> None:
     family = cubic()
     with pytest.raises(ParameterError, match="solved for mu, and a launch gives it a value"):
         st.simulate(family.system, start={"x": 0.1}, times=1.0, mu=0.0, lam=1.0, families=family)
     with pytest.raises(ParameterError, match="solved for mu; continuation codes"):
         st.export.auto_input(family, tmp_path, free="x", start=0.1, stop=1.0, lam=1.0)
+    with pytest.raises(st.StabilityError, match="the page solves for states alone"):
+        guess = {"v": 2.0, "thrust": 1.0, "drag": 0.5}
+        trim = car().steady("v", unknown="thrust", guess=guess)
+        st.explore(trim, out=tmp_path / "page.html", v=2.0, drag=0.5)
     with pytest.raises(ParameterError, match="'mu' of family rest is in at and unknown"):
         st.Family(family.system, "rest", at=("x", "mu"), unknown={"mu": 0.0}, equations=("x",))
     with pytest.raises(NameUnknownError, match="an unknown is 'nu'; known are x, mu, lam"):

@@ -619,7 +619,8 @@ class _Conditions:
         a, q = self.line.numbers_at(place)
         u = ball_unknowns(family, a, q, near)
         states = [arb(row[0]) for row in family.graph.state.dense(balls(), [a, u, q])]
-        values = dict(zip((*family.at, *family.parameters), (*a, *q), strict=True))
+        names = (*family.at, *family.unknown, *family.parameters)
+        values = dict(zip(names, (*a, *u, *q), strict=True))
         parameters = [values[n] for n in family.system.parameters]
         return [
             arb(v[0]) if v else arb(0)
