@@ -31,7 +31,7 @@ from .equations import Equations
 from .graph.family_graph import FamilyGraph, Frame
 from .graph.ignorable import acting_on, hidden_pairs, ignorable, turned
 from .graph.smoothness import KINKED, REMOVABLE, edged, gap, sloped
-from .members import UNKNOWN, Anchor, Roots, check_states, find, given_noise, rate_noise
+from .members import UNKNOWN, Anchor, FamilyRoots, check_states, find, given_noise, rate_noise
 from .sources.numeric import NumericSystem, numeric_checked, numeric_search, numeric_states
 from .system_checks import check_family
 
@@ -415,7 +415,7 @@ class Family(Record):
             raise NoMemberError(roots.why(int(np.argmin(roots.good))))
         return roots.u
 
-    def search(self, a: Floats, q: Floats, guess: ArrayLike | None = None) -> Roots:
+    def search(self, a: Floats, q: Floats, guess: ArrayLike | None = None) -> FamilyRoots:
         """The unknowns at each row, and the rows without a member.
 
         Parameters
@@ -425,7 +425,7 @@ class Family(Record):
 
         Returns
         -------
-        Roots
+        FamilyRoots
         """
         a, _, q = tables(self, a, q)
         if isinstance(self.system, NumericSystem):
@@ -434,7 +434,7 @@ class Family(Record):
         first = np.array(list(self.unknown.values()))
         u = np.tile(first, (len(a), 1))
         if not possible.any() or not self.unknown or (self.closed and guess is None):
-            return Roots(u, possible, why)
+            return FamilyRoots(u, possible, why)
         if self.graph.finder is None:
             raise ParameterError(
                 f"{self.name}: the equations {', '.join(self.equations)} leave the unknowns "
@@ -450,9 +450,11 @@ class Family(Record):
         roots = find(self, a[possible], q[possible], None if followed else start)
         u[possible], good, place = roots.u, possible.copy(), np.cumsum(possible) - 1
         good[possible] = roots.good
-        return Roots(u, good, lambda row: roots.why(place[row]) if possible[row] else why(row))
+        return FamilyRoots(
+            u, good, lambda row: roots.why(place[row]) if possible[row] else why(row)
+        )
 
-    def members(self, a: Floats, q: Floats) -> Roots:
+    def members(self, a: Floats, q: Floats) -> FamilyRoots:
         """As `search`; a root at which the rates have no value or no slope is no member either.
 
         Parameters
@@ -462,7 +464,7 @@ class Family(Record):
 
         Returns
         -------
-        Roots
+        FamilyRoots
         """
         roots = self.search(a, q)
         if isinstance(self.system, NumericSystem):
@@ -486,7 +488,7 @@ class Family(Record):
             no = f"{self.name} has no member at {place}: a condition of {self.system.name} fails."
             return no if roots.good[row] else roots.why(row)
 
-        return Roots(roots.u, good, why)
+        return FamilyRoots(roots.u, good, why)
 
     def states(self, a: Floats, u: Floats, q: Floats) -> Floats:
         """States of members whose unknowns are known.

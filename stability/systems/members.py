@@ -432,7 +432,7 @@ STEEP = ", where it changes too fast to follow; a known member closer by may rea
 """The same where no singular point is resolved."""
 
 
-class Roots(NamedTuple):
+class FamilyRoots(NamedTuple):
     """Unknowns row by row, and where there are none."""
 
     u: Floats
@@ -443,7 +443,7 @@ class Roots(NamedTuple):
     """The sentence that says why a row has no member."""
 
 
-def find(family: Any, a: Floats, q: Floats, start: Floats | None) -> Roots:
+def find(family: Any, a: Floats, q: Floats, start: Floats | None) -> FamilyRoots:
     """The unknowns of each row, from first guesses or from the family's known member.
 
     Parameters
@@ -473,8 +473,10 @@ def find(family: Any, a: Floats, q: Floats, start: Floats | None) -> Roots:
         members = _followed(family, a[first], q[first], positive)
     else:
         u, good = _rooted(family, a[first], q[first], start[first], positive)
-        members = Roots(u, good, lambda row: _unreached(family, a[first][row], q[first][row]))
-    return Roots(members.u[inverse], members.good[inverse], lambda row: members.why(inverse[row]))
+        members = FamilyRoots(u, good, lambda row: _unreached(family, a[first][row], q[first][row]))
+    return FamilyRoots(
+        members.u[inverse], members.good[inverse], lambda row: members.why(inverse[row])
+    )
 
 
 def _rooted(
@@ -505,13 +507,15 @@ def _unreached(family: Any, a: Floats, q: Floats) -> str:
     )
 
 
-def _followed(family: Any, a: Floats, q: Floats, positive: Sequence[int]) -> Roots:
+def _followed(family: Any, a: Floats, q: Floats, positive: Sequence[int]) -> FamilyRoots:
     """Members on the smooth sheet of the anchor, each along a straight line."""
     numbers, anchor = np.hstack([a, q]), family.anchor
     start = np.tile(anchor.given, (len(a), 1)), np.tile(anchor.unknown, (len(a), 1))
     # each row from the anchor itself: a member next to another may lie beyond the end of the sheet
     u, good, share = _ended(family.graph, a.shape[1], (*start, numbers), positive)
-    return Roots(u, good, lambda row: _stopped(family, numbers[row], u[row], share[row], positive))
+    return FamilyRoots(
+        u, good, lambda row: _stopped(family, numbers[row], u[row], share[row], positive)
+    )
 
 
 def _ended(

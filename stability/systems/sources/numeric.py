@@ -26,7 +26,7 @@ from ...base.errors import (
 )
 from ...base.types import Floats, content
 from ..equations import Equations
-from ..members import Roots
+from ..members import FamilyRoots
 from ..system_checks import check_names
 
 LEVELS = 12
@@ -263,7 +263,9 @@ class NumericSystem(Equations):
 # --- members of a family ---
 
 
-def numeric_search(family: Any, a: Floats, q: Floats, guess: ArrayLike | None = None) -> Roots:
+def numeric_search(
+    family: Any, a: Floats, q: Floats, guess: ArrayLike | None = None
+) -> FamilyRoots:
     """The unknowns at each row, as `Family.search`, and the rows without a steady motion.
 
     Parameters
@@ -284,7 +286,7 @@ def numeric_search(family: Any, a: Floats, q: Floats, guess: ArrayLike | None = 
             good[row] = True
         except StabilityError as error:
             why[row] = str(error)
-    return Roots(u, good, lambda row: why[row])
+    return FamilyRoots(u, good, lambda row: why[row])
 
 
 def numeric_states(family: Any, a: Floats, u: Floats) -> Floats:
