@@ -744,7 +744,7 @@ def motion_figure(chart: xarray.Dataset, metric: str = "path") -> Figure:
     scenes = panels_of(chart, metric)
     low, high = span(chart.seconds.values)
     with figure_style(STYLE):
-        labelled = {which: _told(chart, which, metric) for which in scenes}
+        labelled = {which: _coloured(chart, which, metric) for which in scenes}
         names = {name for names in labelled.values() for name in names}
         everywhere = [n for n in (*LOOKS, *sorted(names - set(LOOKS))) if n in names]
         handles = _driver_handles(everywhere)
@@ -771,7 +771,7 @@ def _front(
     return {key.split()[0] for key in best}, spots
 
 
-def _told(chart: xarray.Dataset, which: str, metric: str) -> set[str]:
+def _coloured(chart: xarray.Dataset, which: str, metric: str) -> set[str]:
     """Drivers in colour in a panel."""
     return (_front(chart, which, metric)[0] | set(REFERENCE_DRIVERS)) & set(
         motion_chart.points(chart, which, metric)

@@ -107,9 +107,9 @@ class _WideBalls:
 
     def __call__(self, spans: Spans) -> NDArray[np.int8]:
         count = len(next(iter(spans.values()))[0])
-        return np.array([self._one(spans, n) for n in range(count)], dtype=np.int8)
+        return np.array([self._code(spans, n) for n in range(count)], dtype=np.int8)
 
-    def _one(self, spans: Spans, n: int) -> int:
+    def _code(self, spans: Spans, n: int) -> int:
         from flint import arb
 
         from ..algebra.number_types import precision

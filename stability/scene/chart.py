@@ -148,7 +148,7 @@ def chart(
     >>> data.model.values[data.chosen.values].tolist()
     ['linearised']
     """
-    scene, laws = _one(scene, laws)
+    scene, laws = _single_law(scene, laws)
     if scene.quantities[0] in LINEAR:
         raise ParameterError("a linear question has no chart; ask for a quantity of the motion.")
     problem = scene._problem(scene.contact)
@@ -158,7 +158,7 @@ def chart(
     _, truth = truth_of(problem)
     steps: list[Callable[[], Iterator[Row]]] = [
         lambda: _closed(scene, problem, truth),
-        lambda: _own(scene, problem, truth),
+        lambda: _reduced_rows(scene, problem, truth),
         lambda: _creep(scene, problem, truth),
         lambda: _full(scene, problem, truth),
         *(lambda n=n, law=law: _law(scene, problem, truth, n, law) for n, law in others.items()),
@@ -171,7 +171,7 @@ def chart(
     return _dataset(scene, problem, truth, rows)
 
 
-def _one(scene: Any, laws: Any) -> tuple[Any, Any]:
+def _single_law(scene: Any, laws: Any) -> tuple[Any, Any]:
     """A scene of one law, the first of several, and the laws to hold against it."""
     (_, truth), *rest = scene.subject.laws.items()
     if not rest:
@@ -278,7 +278,7 @@ def _closed(scene: Any, problem: LaunchProblem, truth: Track) -> Iterator[Row]:
             yield row
 
 
-def _own(scene: Any, problem: LaunchProblem, truth: Track) -> Iterator[Row]:
+def _reduced_rows(scene: Any, problem: LaunchProblem, truth: Track) -> Iterator[Row]:
     """The reduced models of a user's system."""
     for model in scene.models:
         yield _row(scene, problem, truth, KINDS[1], model.name)

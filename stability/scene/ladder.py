@@ -192,7 +192,7 @@ def _climb(
         known("only", only, rungs_of(problem, models))
     ladder = _Ladder(problem, tuple(names), only)
     steps: list[Callable[[], None]] = [partial(_near, ladder), partial(_drift, ladder)]
-    steps += [partial(_own, ladder, m) for m in models if only in (None, m.name)]
+    steps += [partial(_reduced_rung, ladder, m) for m in models if only in (None, m.name)]
     steps += [partial(_creep, ladder), partial(_full, ladder)]
     for step in steps:
         step()
@@ -278,7 +278,7 @@ def _drift(ladder: _Ladder) -> None:
         ladder.note(DRIFT, 0, began, 0.0, drifting(problem))
 
 
-def _own(ladder: _Ladder, model: ReducedModel) -> None:
+def _reduced_rung(ladder: _Ladder, model: ReducedModel) -> None:
     """A user's reduced model."""
     if not ladder.asked(model.name):
         return

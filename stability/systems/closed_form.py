@@ -173,24 +173,24 @@ class RepeatedBalls:
 
     def __init__(self, form: ClosedForm) -> None:
         self._form = form
-        self._given: tuple[list[Any], list[Any]] | None = None
+        self._arguments: tuple[list[Any], list[Any]] | None = None
         self._moving: frozenset[tuple[int, int]] = frozenset()
         self._formulas: Formulas | None = None
 
     def __call__(self, a: list[Any], q: list[Any]) -> Columns:
         """Coefficients, unknowns, and numbers that are positive at every member."""
         arguments = a, q
-        if self._given is None:
-            self._given = arguments
+        if self._arguments is None:
+            self._arguments = arguments
             return self._form(balls(), a, q)
         moved = {
             (i, j)
             for i, numbers in enumerate(arguments)
             for j, v in enumerate(numbers)
-            if (i, j) not in self._moving and not _identical(v, self._given[i][j])
+            if (i, j) not in self._moving and not _identical(v, self._arguments[i][j])
         }
         if moved or self._formulas is None:
-            self._given, self._moving, self._formulas = arguments, self._moving | moved, None
+            self._arguments, self._moving, self._formulas = arguments, self._moving | moved, None
             self._formulas = self._form.begun(balls(), a, q, self._moving)
         return self._formulas(a, q)
 
@@ -397,7 +397,7 @@ class ImplicitForm(ClosedForm):
         return DoubleDouble(u.hi, u.lo, np.where(bound <= width, bound, np.inf))
 
     @cached_property
-    def _known(self) -> dict[Any, Any]:
+    def _balls(self) -> dict[Any, Any]:
         return {}
 
     def _ball(self, q: Sequence[Any]) -> Any:
@@ -406,14 +406,14 @@ class ImplicitForm(ClosedForm):
         points = [float(v.mid()) for v in inputs]
         exact = all(v == arb(p) for v, p in zip(inputs, points, strict=True))
         key = (ctx.prec, *points) if exact else None
-        if key is None or key not in self._known:
+        if key is None or key not in self._balls:
             table = dict(zip(self.used, points, strict=True))
             root = self._proved(q, float(self.near([table.get(i, 0.0) for i in range(len(q))])))
             if key is None:
                 self._require_one(inputs, root, q)
                 return root
-            self._known[key] = root
-        return self._known[key]
+            self._balls[key] = root
+        return self._balls[key]
 
     def _require_one(self, inputs: Sequence[Any], root: Any, q: Sequence[Any]) -> None:
         """Refuse an interval at whose ends another root is the nearest."""

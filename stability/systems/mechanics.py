@@ -710,7 +710,7 @@ def mechanics(
     )
     solved = choice(model, independent, pivots)
     limits = _limits(model, conditions)
-    graph = _graph(model, solved, _own(model, observables), limits)
+    graph = _graph(model, solved, _observed(model, observables), limits)
     states = [*model.coordinates, *model.velocities]
     if independent is not None and solved:
         gone = [model.velocities[i] for i in solved.values()]
@@ -774,7 +774,7 @@ class _Graph:
         return _Graph(expressions[0], expressions[1], rates, seen, tuple(conditions))
 
 
-def _own(model: MechanicalModel, observables: Any) -> dict[str, ca.SX]:
+def _observed(model: MechanicalModel, observables: Any) -> dict[str, ca.SX]:
     """The user's observables, checked."""
     table = {} if observables is None else mapping("observables", observables)
     return {

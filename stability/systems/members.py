@@ -33,7 +33,7 @@ GIVEN = 4 * UNIT
 """Relative error of a given number: two units in the last place."""
 
 
-def _known(block: Floats) -> list[RunningError]:
+def _rounded_columns(block: Floats) -> list[RunningError]:
     """Columns of given numbers, each with the error of a given number."""
     return [RunningError(c, GIVEN * np.abs(c)) for c in block.T]
 
@@ -79,7 +79,9 @@ def rate_noise(
         if u.shape[1] and not graph.closed:
             root = root + 2 * _step_noise(graph, a, u, q, whole=True)
         solved = [RunningError(c, e) for c, e in zip(u.T, root.T, strict=True)]
-        values = running_error_arrays(graph.rates, [_known(a), solved, _known(q)], a.shape[:1])
+        values = running_error_arrays(
+            graph.rates, [_rounded_columns(a), solved, _rounded_columns(q)], a.shape[:1]
+        )
         bound: Floats = 2 * values[0][1][..., 0] + given_noise(states, matrix)
     return bound
 
@@ -125,10 +127,10 @@ def roots(
     u, good
         Unknowns, shape (N, u), and whether each row is an isolated, admissible root.
     """
-    u, good = _found(graph, a, q, start, positive)
+    u, good = _accepted_roots(graph, a, q, start, positive)
 
     def again(rows: NDArray[np.intp], other: Floats) -> None:
-        new, fine = _found(graph, a[rows], q[rows], other, positive)
+        new, fine = _accepted_roots(graph, a[rows], q[rows], other, positive)
         u[rows[fine]], good[rows[fine]] = new[fine], True
 
     for share in SHARES if positive else ():
@@ -148,7 +150,7 @@ def roots(
     return u, good
 
 
-def _found(
+def _accepted_roots(
     graph: FamilyGraph, a: Floats, q: Floats, start: Floats, positive: Sequence[int]
 ) -> tuple[Floats, NDArray[np.bool_]]:
     assert graph.finder is not None

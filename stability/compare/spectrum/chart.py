@@ -167,7 +167,7 @@ def locate(name: str) -> dict[str, Any]:
             continue
         exact = exact_edge(*where)
         start = time.perf_counter()
-        value, width = _found(mine, where, exact[0])
+        value, width = _searched(mine, where, exact[0])
         out["seconds"].append(time.perf_counter() - start)
         error = None if value is None else abs((value - exact[0]) - exact[1]) / exact[0]
         out["error"].append(error)
@@ -221,7 +221,7 @@ def exact_edge(
     return float(middle), float(middle - Fraction(float(middle)))
 
 
-def _found(mine: Route, where: Any, near: float) -> tuple[float | None, float | None]:
+def _searched(mine: Route, where: Any, near: float) -> tuple[float | None, float | None]:
     low, high = near * (1 - BRACKET), near * (1 + BRACKET)
     return _proved(where, low, high) if mine.own else (bisected(mine, where, low, high), None)
 

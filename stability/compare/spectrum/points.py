@@ -143,7 +143,7 @@ def truth(points: Points) -> Truth:
     >>> found.eigenvalues.shape, int(found.codes[0]) == CODES[Verdict.STABLE]
     ((1, 4), True)
     """
-    rows = [_one(*_exact(points, i), points) for i in range(len(points))]
+    rows = [_point_truth(*_exact(points, i), points) for i in range(len(points))]
     return Truth(*(np.array(column) for column in zip(*rows, strict=True)))
 
 
@@ -160,7 +160,7 @@ def _exact(points: Points, i: int) -> tuple[list[Any], list[Any]]:
     return [exact(points.at[i])], q
 
 
-def _one(a: list[Any], q: list[Any], points: Points) -> tuple[Any, ...]:
+def _point_truth(a: list[Any], q: list[Any], points: Points) -> tuple[Any, ...]:
     family, zeros, even = points.member, points.zeros, points.even
     bits = BITS
     while bits <= MOST_BITS:

@@ -459,7 +459,7 @@ def _somewhere(points: Points, *, certify: bool) -> Spectrum:
     return spectrum(family, at=at, certify=certify, **p)
 
 
-def _told(result: Spectrum) -> SpectrumAnswer:
+def _spectrum_answer(result: Spectrum) -> SpectrumAnswer:
     return SpectrumAnswer(
         np.atleast_1d(result.codes),
         np.atleast_2d(result.eigenvalues),
@@ -483,11 +483,11 @@ class Deflated(Route):
     def answer(self, points: Points) -> SpectrumAnswer:
         """Call `spectrum` with all points at once."""
         arguments: dict[str, Any] = _arguments(points)
-        return _told(spectrum(points.family, certify=self.certify, **arguments))
+        return _spectrum_answer(spectrum(points.family, certify=self.certify, **arguments))
 
     def at_state(self, points: Points) -> SpectrumAnswer:
         """Call `spectrum` with a user's family that claims the state."""
-        return _told(_somewhere(points, certify=self.certify))
+        return _spectrum_answer(_somewhere(points, certify=self.certify))
 
 
 class Certified(Deflated):

@@ -84,7 +84,7 @@ class Translation:
     """
 
     def __init__(self, terms: Mapping[Any, Term]) -> None:
-        self._found: dict[Any, Term] = dict(terms)
+        self._terms: dict[Any, Term] = dict(terms)
         self._rounded: dict[str, float] = {}
 
     @property
@@ -95,7 +95,7 @@ class Translation:
 
     def add(self, terms: Mapping[Any, Term]) -> None:
         """Further symbols, before an expression that holds them is read."""
-        self._found |= terms
+        self._terms |= terms
 
     def __call__(self, expression: Any) -> Term:
         """The term of one expression.
@@ -110,18 +110,18 @@ class Translation:
             part = stack[-1]
             if self._new(part) and _irrational(part):
                 self._rounded[str(part)] = value = float(part.evalf(DIGITS))
-                self._found[part] = Fraction(value)
-            open_ = [a for a in _parts(part) if a not in self._found] if self._new(part) else []
+                self._terms[part] = Fraction(value)
+            open_ = [a for a in _parts(part) if a not in self._terms] if self._new(part) else []
             if open_:
                 stack += open_
                 continue
             stack.pop()
-            if part not in self._found:
-                self._found[part] = _term(part, [self._found[a] for a in _parts(part)])
-        return self._found[expression]
+            if part not in self._terms:
+                self._terms[part] = _term(part, [self._terms[a] for a in _parts(part)])
+        return self._terms[expression]
 
     def _new(self, part: Any) -> bool:
-        return part not in self._found
+        return part not in self._terms
 
     def rows(self, matrix: Any) -> list[list[Term]]:
         """The entries of a SymPy matrix as rows of terms."""
@@ -524,7 +524,7 @@ def _column(symbols: Sequence[Any]) -> ca.SX:
     return ca.vertcat(*[ca.SX.sym(_label(s)) for s in symbols]) if symbols else ca.SX(0, 1)
 
 
-def _known(symbols: Sequence[Any], column: ca.SX) -> dict[Any, Term]:
+def _symbol_terms(symbols: Sequence[Any], column: ca.SX) -> dict[Any, Term]:
     return {s: column[i] for i, s in enumerate(symbols)}
 
 
@@ -577,7 +577,7 @@ def _explicit(
     seen = _expressions(observables)
     symbols = _parameters(parameters, _free([*rates, *seen.values()], states))
     x, p = _column(states), _column(symbols)
-    read = Translation(_known(states, x) | _known(symbols, p))
+    read = Translation(_symbol_terms(states, x) | _symbol_terms(symbols, p))
     return {
         "x": x,
         "p": p,
@@ -649,7 +649,9 @@ class _Reader:
         self.probes = Probes(self.x, self.p)
         self.expressions = seen
         zeros = dict.fromkeys(form.zero, ZERO)
-        return Translation(_known(self.states, self.x) | _known(parameters, self.p) | zeros)
+        return Translation(
+            _symbol_terms(self.states, self.x) | _symbol_terms(parameters, self.p) | zeros
+        )
 
     def _by_constraints(self, q_dep: list[Any]) -> tuple[Any, ...]:
         """Dependent coordinates that linear constraints determine."""
