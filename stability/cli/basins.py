@@ -267,15 +267,15 @@ def _borders(dataset: Any) -> dict[str, Any]:
     """What refined borders say of sensitivity, for the record."""
     if "border_levels" not in dataset.attrs:
         return {}
-    told = {n: v for n, v in dataset.attrs.items() if str(n).startswith("border_exponent")}
+    borders = {n: v for n, v in dataset.attrs.items() if str(n).startswith("border_exponent")}
     if "border_sensitive" in dataset:
         marked = dataset.border_sensitive.values
         counts = {
             word: int((marked == flag).sum()) for flag, word in ((1, "sensitive"), (2, "open"))
         }
-        told |= {"border_blocks": int(marked.size)}
-        told |= {f"border_{word}_blocks": count for word, count in counts.items()}
-    return told
+        borders |= {"border_blocks": int(marked.size)}
+        borders |= {f"border_{word}_blocks": count for word, count in counts.items()}
+    return borders
 
 
 def _sensitivity(record: dict[str, Any]) -> str:
@@ -316,9 +316,9 @@ def _launched(options: argparse.Namespace) -> dict[str, Any]:
 def _varied(options: argparse.Namespace) -> dict[str, Any]:
     """The axes, or the distribution of a random sample, its size and seed."""
     if options.sample:
-        given = [f"--{n}" for n in ("x", "y", "more") if getattr(options, n)]
-        if given:
-            raise ParameterError(f"{given[0]} does not go with --sample; give axes or a sample.")
+        axes = [f"--{n}" for n in ("x", "y", "more") if getattr(options, n)]
+        if axes:
+            raise ParameterError(f"{axes[0]} does not go with --sample; give axes or a sample.")
         if options.count is None:
             raise ParameterError("--count is missing; give the number of launches of the sample.")
         spread = dict(_distribution(text) for text in options.sample)

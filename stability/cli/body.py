@@ -98,10 +98,10 @@ def round_body(options: argparse.Namespace, swept: Mapping[str, Any]) -> Any:
 
 
 def middles(
-    swept: Mapping[str, Any], names: Collection[str], given: Collection[str]
+    swept: Mapping[str, Any], names: Collection[str], stated: Collection[str]
 ) -> dict[str, float]:
     """The middle of each axis over one of these numbers that has no value of its own."""
-    return {n: (a[1] + a[2]) / 2 for n, a in swept.items() if n in names and n not in given}
+    return {n: (a[1] + a[2]) / 2 for n, a in swept.items() if n in names and n not in stated}
 
 
 def _own_body(place: str, named: Collection[str]) -> Any:
@@ -124,10 +124,12 @@ def _made(
     from ..bodies.round_body.body import Body
 
     label = options.body
-    known = _numbers_of(source)
-    _refuse_others(options, numbers, known)
-    middle = middles(swept, known, numbers)
-    missing = [n for n, p in known.items() if p.default is p.empty and n not in numbers | middle]
+    parameters = _numbers_of(source)
+    _refuse_others(options, numbers, parameters)
+    middle = middles(swept, parameters, numbers)
+    missing = [
+        n for n, p in parameters.items() if p.default is p.empty and n not in numbers | middle
+    ]
     if missing:
         raise ParameterError(f"--{missing[0]} is missing; {label} needs it.")
     try:
@@ -140,20 +142,22 @@ def _made(
         ) from None
     if not isinstance(body, Body):
         raise ParameterError(f"{label} returns {shown(body)}; a stability.Body is needed.")
-    every = {n: p.default for n, p in known.items()} | numbers | middle
-    own = {n: v for n, v in every.items() if type(v) in (int, float) and n not in body.given}
-    return replace(body, constants={**own, **body.constants}) if own else body
+    every = {n: p.default for n, p in parameters.items()} | numbers | middle
+    constants = {n: v for n, v in every.items() if type(v) in (int, float) and n not in body.given}
+    return replace(body, constants={**constants, **body.constants}) if constants else body
 
 
 def _refuse_others(
-    options: argparse.Namespace, numbers: Collection[str], known: Collection[str]
+    options: argparse.Namespace, numbers: Collection[str], parameters: Collection[str]
 ) -> None:
     """Refuse numbers that the body does not have."""
     for name in numbers:
-        if name not in known:
+        if name not in parameters:
             word = "solid or --hollow" if name == "solid" else name
-            own = " or ".join(f"--{n}" for n in known) or "no numbers"
-            own = own.replace("--solid", "--solid or --hollow")
+            listing = " or ".join(f"--{n}" for n in parameters) or "no numbers"
+            listing = listing.replace("--solid", "--solid or --hollow")
             near = nearest(f"--{name}", options.known)
             other = f"; an option of the command is {near}" if near else ""
-            raise ParameterError(f"--{word} is no number of {options.body}; it takes {own}{other}.")
+            raise ParameterError(
+                f"--{word} is no number of {options.body}; it takes {listing}{other}."
+            )

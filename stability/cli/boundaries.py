@@ -45,7 +45,7 @@ def run(options: argparse.Namespace) -> None:
 
         subject = options_subject(options, {axis[0]: axis}, exact=True)
         every: Any = options.every
-        found = boundaries(subject.family, axis=axis, every=every, **subject.arguments)
+        changes = boundaries(subject.family, axis=axis, every=every, **subject.arguments)
     record: dict[str, Any] = {
         **subject.who,
         "parameters": doubles(subject.beyond((axis[0],))),
@@ -53,46 +53,46 @@ def run(options: argparse.Namespace) -> None:
         "axis": axis[0],
         "low": axis[1],
         "high": axis[2],
-        found.several: [
+        changes.several: [
             {
                 name: value.word if name in ("crossing", "good", "evidence") else value
                 for name, value in vars(b).items()
             }
-            for b in found
+            for b in changes
         ],
-        "touching": list(found.touching),
-        "complete": found.complete,
-        "unresolved": [u._asdict() for u in found.unresolved],
-        "throughout": found.throughout if options.every else found.constant or None,
-        "statement": found.statement(axis[0]),
-        "citation": found.citation,
+        "touching": list(changes.touching),
+        "complete": changes.complete,
+        "unresolved": [u._asdict() for u in changes.unresolved],
+        "throughout": changes.throughout if options.every else changes.constant or None,
+        "statement": changes.statement(axis[0]),
+        "citation": changes.citation,
     }
     forms = {
-        "csv": lambda: _csv(subject, axis, found),
-        "latex": lambda: _latex(subject, axis, found),
+        "csv": lambda: _csv(subject, axis, changes),
+        "latex": lambda: _latex(subject, axis, changes),
     }
-    answer(options, record, _lines(subject, axis, found), forms)
+    answer(options, record, _lines(subject, axis, changes), forms)
 
 
-def _csv(subject: CommandSubject, axis: Sequence[Any], found: Any) -> str:
+def _csv(subject: CommandSubject, axis: Sequence[Any], changes: Any) -> str:
     """The boundaries with every number that was held, in columns of their own."""
     from ..storage.text import csv_text
 
     name = subject.own_name(axis[0])
     held = doubles({**subject.at, **subject.beyond((axis[0], name))})
-    header, rows = found.flat()
-    header[0] = f"{name}{in_brackets(found.unit)}"
+    header, rows = changes.flat()
+    header[0] = f"{name}{in_brackets(changes.unit)}"
     header += [f"{n}{in_brackets(subject.units.get(n, '1'))}" for n in held]
     return csv_text(header, [[*row, *held.values()] for row in rows])
 
 
-def _latex(subject: CommandSubject, axis: Sequence[Any], found: Any) -> str:
+def _latex(subject: CommandSubject, axis: Sequence[Any], changes: Any) -> str:
     from ..tables.results import boundaries_table
 
     assert subject.equations is not None
-    known = subject.equations().system.quantities
+    quantities = subject.equations().system.quantities
     name = subject.own_name(axis[0])
-    return boundaries_table(found, _head(subject, axis), name, known).to_latex()
+    return boundaries_table(changes, _head(subject, axis), name, quantities).to_latex()
 
 
 def _head(subject: CommandSubject, axis: Sequence[Any]) -> str:
@@ -104,13 +104,13 @@ def _head(subject: CommandSubject, axis: Sequence[Any]) -> str:
     return where + f", at {place}" * bool(place)
 
 
-def _lines(subject: CommandSubject, axis: Sequence[Any], found: Any) -> Iterator[str]:
+def _lines(subject: CommandSubject, axis: Sequence[Any], changes: Any) -> Iterator[str]:
     name = subject.own_name(axis[0])
     yield _head(subject, axis)
     if subject.law:
         yield subject.law
-    for b in found:
+    for b in changes:
         yield f"  {name} = {b.words(subject.units.get(name, '1'), subject.rate)}"
-    if not found and not found.constant:
+    if not changes and not changes.constant:
         yield "  none"
-    yield found.statement(name)
+    yield changes.statement(name)

@@ -49,23 +49,23 @@ def run(options: argparse.Namespace) -> None:
         from ..systems.continuation import branch
 
         numbers = doubles(subject.numbers)
-        found = branch(family, start, stop, points=points, arclength=options.arclength, **numbers)
-    ends = [{"at": float(found.at[i]), **_state(family, found.state[i])} for i in (0, -1)]
+        curve = branch(family, start, stop, points=points, arclength=options.arclength, **numbers)
+    ends = [{"at": float(curve.at[i]), **_state(family, curve.state[i])} for i in (0, -1)]
     record = {
         **subject.who,
         "parameters": numbers,
         "axis": name,
-        "members": len(found.at),
+        "members": len(curve.at),
         "first": ends[0],
         "last": ends[1],
-        "complete": found.complete,
-        "ended": found.ended,
-        "folds": [{"value": p.value, **_state(family, p.state)} for p in found.folds],
+        "complete": curve.complete,
+        "ended": curve.ended,
+        "folds": [{"value": p.value, **_state(family, p.state)} for p in curve.folds],
         "branch_points": [
             {"value": p.value, "kind": p.kind, **_state(family, p.state)}
-            for p in found.branch_points
+            for p in curve.branch_points
         ],
-        "citation": found.citation,
+        "citation": curve.citation,
     }
     answer(options, record, _lines(subject, name, record))
 

@@ -120,8 +120,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         except BaseException as reason:
             # an interrupted library may raise any error: an import fails, a solver stops
             if stop.number or isinstance(reason, KeyboardInterrupt):
-                told = str(reason) if isinstance(reason, KeyboardInterrupt) else ""
-                say(f"{told or stop.sentence}.")
+                text = str(reason) if isinstance(reason, KeyboardInterrupt) else ""
+                say(f"{text or stop.sentence}.")
                 return stop.code
             return _code(reason)
     return 0

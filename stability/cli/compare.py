@@ -98,42 +98,42 @@ def summary(folder: Path, plan: Mapping[str, Sequence[Sequence[Task]]]) -> dict[
     cells = Journal(folder).pieces
     out: dict[str, Any] = {"page": str(folder / "index.html"), "machine": machine()}
     for name, groups in plan.items():
-        one = part(name, asked(groups, cells))
-        files = [str(folder / f) for f in one.data]
-        files += [str(folder / f"{plate.stem}.png") for plate in one.plates]
+        piece = part(name, asked(groups, cells))
+        files = [str(folder / f) for f in piece.data]
+        files += [str(folder / f"{plate.stem}.png") for plate in piece.plates]
         if name == SCENES:
-            told = {n: choice(data) for n, data in one.chart.items()}
+            choices = {n: choice(data) for n, data in piece.chart.items()}
             out[name] = {
                 "files": files,
                 "models": {
                     n: {"chosen": mine, "cheapest": best, "factor": ratio}
-                    for n, (mine, best, ratio) in told.items()
+                    for n, (mine, best, ratio) in choices.items()
                 },
             }
             continue
         if name == CALLS:
-            out[name] = {"files": files, "rows": one.chart}
+            out[name] = {"files": files, "rows": piece.chart}
             continue
         if name != FAILURES:
-            out[name] = {"files": files, "standings": [vars(s) for s in standings(one)]}
+            out[name] = {"files": files, "standings": [vars(s) for s in standings(piece)]}
             continue
         marks: defaultdict[str, Counter[str]] = defaultdict(Counter)
-        for e in one.chart:
+        for e in piece.chart:
             if e.mark is not None:
                 marks[e.method][e.mark.word] += 1
-        bad = [[e.case, e.method, e.note] for e in catalogue.misleading(one.chart)]
+        bad = [[e.case, e.method, e.note] for e in catalogue.misleading(piece.chart)]
         out[name] = {"files": files, "marks": marks, "misleading": bad}
     return out
 
 
-def lines(found: dict[str, Any]) -> list[str]:
+def lines(contents: dict[str, Any]) -> list[str]:
     """A summary as lines of text."""
-    from ..compare.plan import Standing, nearest
+    from ..compare.plan import RouteStanding, nearest
 
     out = []
     for name in CHARTS:
-        if name in found:
-            best = nearest([Standing(**row) for row in found[name]["standings"]]).values()
+        if name in contents:
+            best = nearest([RouteStanding(**row) for row in contents[name]["standings"]]).values()
             if not best:  # no default route was asked
                 continue
             behind = sorted((s for s in best if not s.on_front), key=lambda s: -s.factor)
@@ -142,19 +142,19 @@ def lines(found: dict[str, Any]) -> list[str]:
                 f"{name}: a default route is on the Pareto front in {front} of {len(best)} panels"
             )
             out += [f"  {s.panel}: {s.route} takes {s.factor:.3g} times {s.rival}" for s in behind]
-    for row in found.get("calls", {}).get("rows", ()):
+    for row in contents.get("calls", {}).get("rows", ()):
         error = "no answer" if row["error"] is None else f"error {row['error']:.1e}"
         out.append(
             f"{row['question']} {row['size']}, {row['way']}: {row['time [s]']:.2g} s, {error}"
         )
-    for name, one in found.get("scenes", {}).get("models", {}).items():
-        told = f"scene {name}: {one['chosen']} answers"
-        out.append(f"{told}, at {one['factor']:.3g} times the time of {one['cheapest']}")
-    if "failures" in found:
-        for method, marks in found["failures"]["marks"].items():
-            told = ", ".join(f"{n} {word}" for word, n in sorted(marks.items()))
-            out.append(f"{method:<15} {told}")
-        bad = found["failures"]["misleading"]
+    for name, models in contents.get("scenes", {}).get("models", {}).items():
+        text = f"scene {name}: {models['chosen']} answers"
+        out.append(f"{text}, at {models['factor']:.3g} times the time of {models['cheapest']}")
+    if "failures" in contents:
+        for method, marks in contents["failures"]["marks"].items():
+            text = ", ".join(f"{n} {word}" for word, n in sorted(marks.items()))
+            out.append(f"{method:<15} {text}")
+        bad = contents["failures"]["misleading"]
         out.append(
             f"default routes that mislead: {len(bad)}"
             + "".join(f"; {case}, {method}: {note}" for case, method, note in bad)

@@ -61,10 +61,11 @@ def run(options: argparse.Namespace) -> None:
 
 
 def _lines(equilibria: Any) -> Iterator[str]:
-    given = {**equilibria.parameters, **equilibria.held}
+    numbers = {**equilibria.parameters, **equilibria.held}
     where = ", ".join(f"{n} from {a:g} to {b:g}" for n, (a, b) in equilibria.box.items())
-    yield f"{equilibria.system.name}, {where}" + f", at {listing(given, given.values())}" * bool(
-        given
+    yield (
+        f"{equilibria.system.name}, {where}"
+        + f", at {listing(numbers, numbers.values())}" * bool(numbers)
     )
     for state, verdict in zip(equilibria, equilibria.verdicts, strict=True):
         yield f"  {', '.join(f'{n} = {v:.12g}' for n, v in state.items())}   {verdict.word}"

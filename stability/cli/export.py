@@ -59,14 +59,14 @@ def _equations(
             "--gravity out."
         )
     names = (*equations.at, *equations.parameters)
-    given: dict[str, Any] = exact_numbers("set", texts, names, equations.name)
-    for name in given:
+    numbers: dict[str, Any] = exact_numbers("set", texts, names, equations.name)
+    for name in numbers:
         refuse_option(options, name, "by --set")
     for name in ("mu", "k"):
         if getattr(options, name) is not None:
-            given[name] = ratio_of_text(name, repr(getattr(options, name)))
+            numbers[name] = ratio_of_text(name, repr(getattr(options, name)))
     usual = {n: v for n, v in subject.numbers.items() if n in equations.parameters}
-    return equations, usual, given
+    return equations, usual, numbers
 
 
 def _latex(options: argparse.Namespace) -> dict[str, Any]:
@@ -74,11 +74,11 @@ def _latex(options: argparse.Namespace) -> dict[str, Any]:
     from ..storage.files import write_file
 
     [target] = targets_of(options, out=(".tex",)).values()
-    family, _, given = _equations(options)
+    family, _, numbers = _equations(options)
     positive = words_of(options.positive)
     if options.system is None and not positive:
         positive = tuple(n for n in POSITIVE if n in family.parameters)
-    text = latex(family, positive=positive, **given)
+    text = latex(family, positive=positive, **numbers)
     write_file(target, text, overwrite=options.force)
     return {"out": str(target)}
 
@@ -107,7 +107,7 @@ def _continuation(options: argparse.Namespace) -> dict[str, Any]:
     if len(ends) != 2:
         raise ParameterError(f"--axis is {shown(options.axis)}; give NAME:START:STOP.")
     start, stop = (number(end, "--axis") for end in ends)
-    family, usual, given = _equations(options, {free: (free, start, stop)})
+    family, usual, numbers = _equations(options, {free: (free, start, stop)})
     usual.pop(free, None)
     path = write(
         family,
@@ -116,7 +116,7 @@ def _continuation(options: argparse.Namespace) -> dict[str, Any]:
         start=start,
         stop=stop,
         overwrite=options.force,
-        **doubles(usual | given),
+        **doubles(usual | numbers),
     )
     return {"out": str(path), "files": sorted(p.name for p in path.iterdir())}
 

@@ -162,12 +162,12 @@ def _report(
         lines[0] += f"; {dataset.attrs['box_comment']}"
     if "equilibria" in dataset:
         number = dataset.equilibria
-        known = number.where(number >= 0)
-        record["equilibria"] = [int(known.min()), int(known.max())] if known.count() else None
-        record["equilibria_proved"] = int(known.count())
-        words = "from {} to {}".format(*record["equilibria"]) if known.count() else "not known"
+        sure = number.where(number >= 0)
+        record["equilibria"] = [int(sure.min()), int(sure.max())] if sure.count() else None
+        record["equilibria_proved"] = int(sure.count())
+        words = "from {} to {}".format(*record["equilibria"]) if sure.count() else "not known"
         lines.append(
-            f"equilibria in the box: {words}; proved in {int(known.count())} of {known.size} cells"
+            f"equilibria in the box: {words}; proved in {int(sure.count())} of {sure.size} cells"
         )
     points = points_of(dataset)
     if points is not None:

@@ -33,7 +33,7 @@ def system_with_families(place: str) -> tuple[Any, list[Any]]:
 
 
 def named_in(
-    option: str, place: str, what: str, known: str, kinds: tuple[type, ...], *, made: bool = False
+    option: str, place: str, what: str, choices: str, kinds: tuple[type, ...], *, made: bool = False
 ) -> tuple[Any, dict[str, Any]]:
     """What a module of the user calls by a name, and all its names; what it prints is dropped.
 
@@ -43,7 +43,7 @@ def named_in(
         The option that names the place.
     place
         Module on Python's path or in this folder, or a file; then a name in it.
-    what, known
+    what, choices
         What it must be, and all of these, in words.
     kinds
         Classes that it may have.
@@ -78,6 +78,6 @@ def named_in(
     ):
         names = sorted(n for n, v in table.items() if isinstance(v, kinds)) or ["none"]
         raise NameUnknownError(
-            f"{shown(name)} is no {what} of {module}; {known} are {', '.join(names)}."
+            f"{shown(name)} is no {what} of {module}; {choices} are {', '.join(names)}."
         )
     return value, table

@@ -104,18 +104,18 @@ class _Parser(argparse.ArgumentParser):
 
     def _no_option(self, wrong: str) -> str:
         """That there is no such option, and what to give in its place."""
-        known = self._option_string_actions
-        states = [wrong[2:].replace("-", "_")] if "--at" in known else []
+        options = self._option_string_actions
+        states = [wrong[2:].replace("-", "_")] if "--at" in options else []
         if states and states[0] in ("omega3", "phi_dot", "theta"):
             return f"{wrong} is not an option here; --at takes {states[0]} of the steady motion"
-        if "--start" in known and wrong in ("--family", "--at", "--lean", "--tilt"):
+        if "--start" in options and wrong in ("--family", "--at", "--lean", "--tilt"):
             return f"{wrong} is not an option here; give the states at time 0: --theta and others"
         if wrong == "--lean":
-            axis = ", or --x lean:LO:HI:N" * ("--x" in known)
+            axis = ", or --x lean:LO:HI:N" * ("--x" in options)
             return (
                 f"--lean is not an option here; give --at, for {leaning()} π/2 less the lean{axis}"
             )
-        near = RENAMED.get(wrong) or nearest(wrong, known)
+        near = RENAMED.get(wrong) or nearest(wrong, options)
         return (
             f"{wrong} is not an option here; {near} is"
             if near
@@ -123,9 +123,9 @@ class _Parser(argparse.ArgumentParser):
         )
 
 
-def nearest(wrong: str, known: Iterable[str]) -> str:
+def nearest(wrong: str, options: Iterable[str]) -> str:
     """The options for which a wrong one may stand: those that it begins, or one like it."""
-    full = [n for n in known if n.startswith("--")]
+    full = [n for n in options if n.startswith("--")]
     begun = [n for n in full if n.startswith(wrong)]
     like = meant(wrong[2:], [n[2:] for n in full])
     return listed(begun, "or") if begun else f"--{like}" if like else ""
@@ -136,11 +136,11 @@ def nearest(wrong: str, known: Iterable[str]) -> str:
 
 def overwriting(parser: argparse.ArgumentParser, what: str, *, same: bool = True) -> None:
     """The options that let a command replace files; `--force` is another name of the first."""
-    one = parser.add_mutually_exclusive_group()
-    one.add_argument("--overwrite", "--force", dest="force", action="store_true", help=what)
+    group = parser.add_mutually_exclusive_group()
+    group.add_argument("--overwrite", "--force", dest="force", action="store_true", help=what)
     if same:
         text = "replace what the same command wrote, and nothing else"
-        one.add_argument(
+        group.add_argument(
             "--overwrite-same",
             dest="force",
             action="store_const",

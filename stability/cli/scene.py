@@ -83,8 +83,12 @@ def _changes(options: argparse.Namespace, arguments: Mapping[str, Any]) -> dict[
     """What the options give in place of what the file states."""
     changes: dict[str, Any] = given(options, "max_seconds")
     if (asked := resistances_of(options)) is not None:
-        kinds = {type(one) for one in asked}
-        kept = [one for one in arguments.get("resistance", ()) if type(one) not in kinds]
+        kinds = {type(resistance) for resistance in asked}
+        kept = [
+            resistance
+            for resistance in arguments.get("resistance", ())
+            if type(resistance) not in kinds
+        ]
         changes["resistance"] = [*kept, *asked]
     return changes
 
@@ -225,8 +229,8 @@ def _units(answer: Answer, names: tuple[str, ...], *, plain: bool) -> dict[str, 
     kinds = {n: q.kind for n, q in QUESTIONS.items() if n in names and q.kind is not None}
     if {"final", "path"} & set(names):
         motions = [a.motion[0].launches.model for a in _parts(answer).values() if a.motion]
-        known = {n: model.quantities[n] for model in motions for n in model.states}
-        kinds |= {n: q.kind for n, q in (known or {n: QUANTITIES[n] for n in STATES}).items()}
+        quantities = {n: model.quantities[n] for model in motions for n in model.states}
+        kinds |= {n: q.kind for n, q in (quantities or {n: QUANTITIES[n] for n in STATES}).items()}
         kinds["time"] = QUANTITIES["time"].kind
     return {n: kind.label(dimensionless=plain) for n, kind in kinds.items()}
 
@@ -256,14 +260,14 @@ def _table_and_ladders(
 ) -> Iterator[str]:
     yield from (title, *answer.setting, "", answer.sentence)
     columns = _parts(answer)
-    if all(one.model == "none" for one in columns.values()):
+    if all(part.model == "none" for part in columns.values()):
         return
     yield ""
-    rows = {"model": [one.model for one in columns.values()]}
+    rows = {"model": [part.model for part in columns.values()]}
     units = _units(answer, names, plain=scene.disk.dimensionless)
     digits = max(3, 2 - math.floor(math.log10(scene.tolerance)))
     for name in names:
-        cells = [_cells(one, name, names, units, digits) for one in columns.values()]
+        cells = [_cells(part, name, names, units, digits) for part in columns.values()]
         for label in dict.fromkeys(n for cell in cells for n in cell):
             rows[label] = [cell.get(label, "") for cell in cells]
     head = {"": list(columns)} if answer.parts else {}
@@ -273,12 +277,12 @@ def _table_and_ladders(
     yield (
         f"Errors are over 1 or the size of the value, in units of the {of} ({ones_of(scene.disk)})."
     )
-    for name, one in columns.items():
+    for name, part in columns.items():
         yield ""
         if answer.parts:
-            yield f"{name}: {one.sentence}"
-        if one.rungs:
-            yield one.ladder()
+            yield f"{name}: {part.sentence}"
+        if part.rungs:
+            yield part.ladder()
 
 
 def _cells(
@@ -308,10 +312,10 @@ def _cells(
     for label, errors in (("error", answer.estimate), ("true error", answer.true_error)):
         if errors is not None:
             size = _by_name(errors, every)[name]
-            told = f"{size:.1e}"
+            text = f"{size:.1e}"
             if not size and not isinstance(value, float):  # a word is right or not known to be
-                told = _sure(answer) if errors is answer.estimate else "0"
-            cells[f"  {label} of {name}"] = told if math.isfinite(size) else "not known"
+                text = _sure(answer) if errors is answer.estimate else "0"
+            cells[f"  {label} of {name}"] = text if math.isfinite(size) else "not known"
     return cells
 
 

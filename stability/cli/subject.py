@@ -131,9 +131,9 @@ def add_member(parser: argparse.ArgumentParser) -> None:
     names: dict[tuple[str, ...], list[str]] = {}
     for family in FAMILIES.values():
         names.setdefault(family.at, []).append(family.name)
-    one = listed([at[0] for at in names if len(at) == 1], "or")
+    single = listed([at[0] for at in names if len(at) == 1], "or")
     several = [f"for {listed(n)} {','.join(at).upper()}" for at, n in names.items() if len(at) > 1]
-    parser.add_argument("--at", help="; ".join([one, *several]))
+    parser.add_argument("--at", help="; ".join([single, *several]))
     help_ = f"for {leaning()}, in place of --at: π/2 - theta, 0 is upright"
     parser.add_argument("--lean", type=real, help=help_)
 
@@ -156,8 +156,8 @@ def resistances_of(options: argparse.Namespace) -> list[Any] | None:
     """The resistances of a command; None where none is given."""
     from ..bodies.resistance import RESISTANCES as KINDS
 
-    given = ((kind, getattr(options, name)) for name, kind in KINDS.items())
-    return [kind(value) for kind, value in given if value is not None] or None
+    values = ((kind, getattr(options, name)) for name, kind in KINDS.items())
+    return [kind(value) for kind, value in values if value is not None] or None
 
 
 def _option(name: str) -> str:
@@ -337,7 +337,9 @@ def _body_subject(
     at |= {n: v for n, v in member.items() if n == "lean"}
     launch = _launch_of(options) if hasattr(options, "start") else where_of(options)
     plain = body.body.dimensionless and not {*SCALES, "length"} & set(swept)
-    known = round_quantities(body.name or THIN, kind, body.shape, [*names, *at, *numbers, *swept])
+    quantities = round_quantities(
+        body.name or THIN, kind, body.shape, [*names, *at, *numbers, *swept]
+    )
     who = {"body": body.name, "family": family, "contact": kind.name}
     subject = " of ".join(filter(None, [family, body.name])) or "disk"
     return CommandSubject(
@@ -350,7 +352,7 @@ def _body_subject(
         member={**member, **where_of(options)},
         at=at,
         numbers=numbers,
-        units={n: q.kind.label(dimensionless=plain) for n, q in known.items()},
+        units={n: q.kind.label(dimensionless=plain) for n, q in quantities.items()},
         rate=Kind.GROWTH_RATE.label(dimensionless=plain),
         scales=scales_of(body.body),
         dimensionless=plain,
@@ -588,8 +590,8 @@ def exact_numbers(
     out: dict[str, Fraction] = {}
     for name, text in named_texts(option, texts).items():
         if name not in names:
-            known = ", ".join(names) or "none"
-            raise NameUnknownError(f"--{option} names {shown(name)}; {owner} has {known}.")
+            listing = ", ".join(names) or "none"
+            raise NameUnknownError(f"--{option} names {shown(name)}; {owner} has {listing}.")
         out[name] = ratio_of_text(name, text)
     return out
 

@@ -61,11 +61,11 @@ def run(options: argparse.Namespace) -> None:
         from ..tables.registry import table
 
         family, settings = _settings(options)
-        found = table(options.name, family, progress=progress, **settings)
+        result = table(options.name, family, progress=progress, **settings)
     if options.out is None:
-        print(found.printed(*asked or ("text",)).rstrip("\n"))
+        print(result.printed(*asked or ("text",)).rstrip("\n"))
     else:
-        print(found.write(options.out, overwrite=options.force))
+        print(result.write(options.out, overwrite=options.force))
 
 
 def _settings(options: argparse.Namespace) -> tuple[Any, dict[str, Any]]:
@@ -111,10 +111,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", metavar="FILE", help="write a .csv, .json, .tex or .txt file")
     overwriting(parser, "replace an existing file")
     lists = "`conditions`, `drift`, `hopf`: {} of the disk, comma-separated; "
-    one = "`codimension --family`: one, where it is no axis"
+    single = "`codimension --family`: one, where it is no axis"
     several = {
-        "--k": ("K", lists.format("inertia factors") + one),
-        "--mu": ("MU", lists.format("friction coefficients") + one),
+        "--k": ("K", lists.format("inertia factors") + single),
+        "--mu": ("MU", lists.format("friction coefficients") + single),
         "--tilt": ("TILT", "`drift`: tilts [rad], comma-separated"),
     }
     values(parser, numbers, several)

@@ -16,12 +16,12 @@ from ..maps.stability_map import stability_map
 from .chart import Line
 from .cost import least, timed
 from .motion.chart import judged
-from .motion.drivers import Answer as Motion
+from .motion.drivers import MotionAnswer as Motion
 from .motion.drivers import RungeKutta45, driver
 from .motion.reference_motions import scene
 from .spectrum.chart import bisected, errors, exact_edge, proved
 from .spectrum.points import EDGES, Points, points_of
-from .spectrum.routes import Answer, route
+from .spectrum.routes import SpectrumAnswer, route
 
 AD = "ad-1e-9"
 """The route that people take: the Jacobian by automatic differentiation, eigenvalues by LAPACK."""
@@ -40,7 +40,7 @@ class Way:
 
 
 @dataclass(frozen=True)
-class Question:
+class TimedQuestion:
     """What is asked, in several sizes, and the ways to it by name."""
 
     title: str
@@ -68,21 +68,23 @@ def _grid(side: int) -> Points:
 
 def _map(side: int) -> Floats:
     x, y = ("at", *AT, side), ("mu", *MU, side)
-    found: Floats = stability_map("spinning", x=x, y=y, contact="viscous").abscissa.values.ravel()
-    return found
+    abscissa: Floats = stability_map(
+        "spinning", x=x, y=y, contact="viscous"
+    ).abscissa.values.ravel()
+    return abscissa
 
 
 def _growth(side: int) -> Floats:
-    found = route(AD).answer(_grid(side)).abscissa
-    assert found is not None
-    return found
+    abscissa = route(AD).answer(_grid(side)).abscissa
+    assert abscissa is not None
+    return abscissa
 
 
 def _error_of_growth(side: int, abscissa: Floats) -> float:
     """The largest error at 16 cells across the map."""
     some = np.unique(np.linspace(0, side**2 - 1, 16).astype(int))
     codes = np.zeros(len(some), dtype=np.int8)
-    _, off = errors(_grid(side)[some], Answer(codes, abscissa=abscissa[some]))
+    _, off = errors(_grid(side)[some], SpectrumAnswer(codes, abscissa=abscissa[some]))
     assert off is not None
     return float(off.max())
 
@@ -95,7 +97,7 @@ def _members(count: int) -> Points:
     return first[:count]
 
 
-def _error_of_eigenvalues(count: int, answer: Answer) -> float:
+def _error_of_eigenvalues(count: int, answer: SpectrumAnswer) -> float:
     off, _ = errors(_members(count), answer)
     assert off is not None
     return float(off.max())
@@ -109,8 +111,8 @@ PLACES = {EDGES[i][0]: EDGES[i] for i in (0, 2, 4)}
 
 
 def _boundary(name: str) -> float:
-    found = proved(PLACES[name], *PLACES[name][4:], 60)
-    return found[0].value if len(found) == 1 else math.nan
+    changes = proved(PLACES[name], *PLACES[name][4:], 60)
+    return changes[0].value if len(changes) == 1 else math.nan
 
 
 def _bisection(name: str) -> float:
@@ -118,8 +120,8 @@ def _bisection(name: str) -> float:
     low, high = PLACES[name][4:]
     values = np.linspace(low, high, 60)
     for a, b in zip(values[:-1], values[1:], strict=True):
-        if (found := bisected(route(AD), PLACES[name], a, b)) is not None:
-            return found
+        if (value := bisected(route(AD), PLACES[name], a, b)) is not None:
+            return value
     return math.nan
 
 
@@ -146,8 +148,8 @@ def _error_of_motion(name: str, motion: Motion) -> float:
 
 
 EIGVALS = "Jacobian by AD at all cells or members, then numpy.linalg.eigvals"
-QUESTIONS: dict[str, Question] = {
-    "map": Question(
+QUESTIONS: dict[str, TimedQuestion] = {
+    "map": TimedQuestion(
         "map: 10², 40², 160² cells",
         (10, 40, 160),
         _error_of_growth,
@@ -158,7 +160,7 @@ QUESTIONS: dict[str, Question] = {
             "eigvals": Way(EIGVALS, _growth),
         },
     ),
-    "spectrum": Question(
+    "spectrum": TimedQuestion(
         "spectrum: 1, 4, 16 members",
         (1, 4, 16),
         _error_of_eigenvalues,
@@ -169,7 +171,7 @@ QUESTIONS: dict[str, Question] = {
             "eigvals": Way(EIGVALS, lambda n: route(AD).answer(_members(n))),
         },
     ),
-    "boundaries": Question(
+    "boundaries": TimedQuestion(
         "boundaries: rolling, spinning, tumbling",
         tuple(PLACES),
         _error_of_boundary,
@@ -178,7 +180,7 @@ QUESTIONS: dict[str, Question] = {
             "bisection": Way("eigvals at 60 values, then bisection", _bisection),
         },
     ),
-    "simulate": Question(
+    "simulate": TimedQuestion(
         "simulate: gentle, lift-off, stiff",
         ("gentle", "lift-off", "stiff-300"),
         _error_of_motion,

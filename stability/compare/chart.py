@@ -58,11 +58,11 @@ def variable(along: Sequence[str], values: Any, text: str, unit: str = "1") -> t
     return tuple(along), values, {"units": unit, "long_name": text}
 
 
-def methods(along: str, known: Mapping[str, Any], names: Sequence[str]) -> dict[str, Any]:
+def methods(along: str, records: Mapping[str, Any], names: Sequence[str]) -> dict[str, Any]:
     """Coordinates of the methods of a chart: name, title, and whether each is the package's."""
     coordinates: dict[str, Any] = {along: list(names)}
     for word in ("title", "own", "default"):
-        coordinates[word] = (along, [getattr(known[name], word) for name in names])
+        coordinates[word] = (along, [getattr(records[name], word) for name in names])
     return coordinates
 
 

@@ -29,13 +29,13 @@ def timed(
     >>> len(timed(lambda: None, least=3, most=3))
     3
     """
-    found: list[float] = []
+    times: list[float] = []
     begin = time.perf_counter()
-    while len(found) < least or (len(found) < most and time.perf_counter() - begin < budget):
+    while len(times) < least or (len(times) < most and time.perf_counter() - begin < budget):
         start = time.perf_counter()
         call()
-        found.append(time.perf_counter() - start)
-    return found
+        times.append(time.perf_counter() - start)
+    return times
 
 
 FLOOR = 1e-16
@@ -69,7 +69,7 @@ def places(panel: Mapping[str, tuple[float, float]]) -> dict[str, Place]:
     >>> found["poor"].rival, found["poor"].factor
     ('good', 1.5)
     """
-    found = {}
+    by_name = {}
     for name, (seconds, error) in panel.items():
         mine = max(error, FLOOR)
         better = {
@@ -77,8 +77,8 @@ def places(panel: Mapping[str, tuple[float, float]]) -> dict[str, Place]:
         }
         rival = min(better, key=lambda other: better[other])
         factor = seconds / better[rival]
-        found[name] = Place(seconds, error, factor <= 1.0, max(factor, 1.0), rival)
-    return found
+        by_name[name] = Place(seconds, error, factor <= 1.0, max(factor, 1.0), rival)
+    return by_name
 
 
 # --- timings in a CSV ---

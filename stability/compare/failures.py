@@ -130,14 +130,14 @@ def attempt(judge: Callable[[], Judgement | None]) -> Judgement | None:
 
 def entries(cells: Mapping[str, Cell]) -> list[Entry]:
     """The catalogue's cells, case by case."""
-    found = []
+    answers = []
     for part in (LINEAR, MOTION):
         for case in _cases(part).values():
             for method in _methods(part):
                 cell = cells.get(f"failure/{part}/{case.name}/{method}")
                 if cell is not None:
-                    found.append(Entry(part, case.group, case.name, method, *_read(cell)))
-    return found
+                    answers.append(Entry(part, case.group, case.name, method, *_read(cell)))
+    return answers
 
 
 def _read(cell: Cell) -> tuple[Mark | None, float, str, str]:
@@ -151,7 +151,7 @@ def _read(cell: Cell) -> tuple[Mark | None, float, str, str]:
     return mark, nan, cell.message, ""
 
 
-def ladder(found: Sequence[Entry]) -> dict[str, list[dict[str, int]]]:
+def ladder(answers: Sequence[Entry]) -> dict[str, list[dict[str, int]]]:
     """Number of boundaries with each mark, by route and distance from the boundary.
 
     Returns
@@ -163,19 +163,19 @@ def ladder(found: Sequence[Entry]) -> dict[str, list[dict[str, int]]]:
     words = {word[0]: word for word in STEPS}
     counted = {}
     for method in ROUTE_NAMES:
-        mine = [e for e in found if e.part == LINEAR and e.method == method]
+        mine = [e for e in answers if e.part == LINEAR and e.method == method]
         counts = [dict.fromkeys(STEPS, 0) for _ in DECADES]
-        for one in mine:
-            for count, letter in zip(counts, one.steps, strict=False):
+        for answer in mine:
+            for count, letter in zip(counts, answer.steps, strict=False):
                 count[words[letter]] += 1
         if mine:
             counted[method] = counts
     return counted
 
 
-def asked_edges(found: Sequence[Entry]) -> set[str]:
+def asked_edges(answers: Sequence[Entry]) -> set[str]:
     """Names of the boundaries whose both sides were asked."""
-    return {e.case for e in found} & {case.name for case in LADDERS}
+    return {e.case for e in answers} & {case.name for case in LADDERS}
 
 
 def own_methods() -> dict[str, bool]:
@@ -195,7 +195,7 @@ def defaults() -> set[str]:
     return {name for name, default in own_methods().items() if default}
 
 
-def misleading(found: Sequence[Entry]) -> list[Entry]:
+def misleading(answers: Sequence[Entry]) -> list[Entry]:
     """Cells in which a default method of the package has a misleading mark.
 
     Returns
@@ -204,17 +204,17 @@ def misleading(found: Sequence[Entry]) -> list[Entry]:
         Empty unless a default method misleads.
     """
     usual = defaults()
-    return [e for e in found if e.method in usual and e.mark and e.mark not in HONEST]
+    return [e for e in answers if e.method in usual and e.mark and e.mark not in HONEST]
 
 
 HEADINGS = {LINEAR: "Linear analysis", MOTION: "Motion"}
 """Heading of each part."""
 
 
-def by_case(found: Sequence[Entry], part: str) -> tuple[list[str], dict[str, list[Entry]]]:
+def by_case(answers: Sequence[Entry], part: str) -> tuple[list[str], dict[str, list[Entry]]]:
     """The methods of a part, and the cells of each of its cases."""
     rows: dict[str, list[Entry]] = {}
-    for entry in found:
+    for entry in answers:
         if entry.part == part:
             rows.setdefault(entry.case, []).append(entry)
     return list(dict.fromkeys(e.method for row in rows.values() for e in row)), rows
@@ -223,10 +223,10 @@ def by_case(found: Sequence[Entry], part: str) -> tuple[list[str], dict[str, lis
 # --- as text ---
 
 
-def as_csv(found: Sequence[Entry]) -> str:
+def as_csv(answers: Sequence[Entry]) -> str:
     """The catalogue as CSV: one line for each cell."""
     rows = []
-    for e in found:
+    for e in answers:
         digits = "" if e.digits != e.digits else f"{e.digits:g}"
         mark = "" if e.mark is None else e.mark.word
         rows.append((e.part, e.group, e.case, e.method, mark, digits, e.note, e.steps))
@@ -257,7 +257,7 @@ def from_csv(text: str) -> list[Entry]:
     ]
 
 
-def as_markdown(found: Sequence[Entry]) -> str:
+def as_markdown(answers: Sequence[Entry]) -> str:
     """The catalogue as Markdown: for each part a table of marks, then one of its cases."""
     lines = ["# Where methods fail", "", "Marks:", ""]
     lines += [f"* {mark.value}" for mark in Mark]
@@ -267,7 +267,7 @@ def as_markdown(found: Sequence[Entry]) -> str:
         "",
     ]
     for part, heading in HEADINGS.items():
-        methods, rows = by_case(found, part)
+        methods, rows = by_case(answers, part)
         if not rows:
             continue
         lines += [f"## {heading}", "", f"| case | {' | '.join(methods)} |"]
@@ -299,7 +299,7 @@ def texts(part: str) -> dict[str, tuple[str, str]]:
     'gn reaches zero at t = 16.1165'
     """
     made = {name: case() for name, case in _cases(part).items()}
-    return {name: (case.physics, case.known) for name, case in made.items()}
+    return {name: (case.physics, case.source) for name, case in made.items()}
 
 
 def heading(case: str) -> str:
@@ -310,8 +310,8 @@ def heading(case: str) -> str:
     >>> heading("lifts off")
     'lift-off and other events'
     """
-    found: Any = CASES.get(case) or MOTION_CASES.get(case)
-    return found.group if found else ""
+    record: Any = CASES.get(case) or MOTION_CASES.get(case)
+    return record.group if record else ""
 
 
 def _word(entry: Entry) -> str:

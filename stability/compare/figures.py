@@ -80,12 +80,12 @@ def page(count: int, body: float, below: float) -> tuple[Figure, list[Axes]]:
     height = -(-count // 2) * (HEAD + body + FOOT) + below
     wide = WIDTH - LEFT - RIGHT if count == 1 else (WIDTH - LEFT - RIGHT - BETWEEN) / 2
     figure = Figure(figsize=(WIDTH, height))
-    found = []
+    panels = []
     for index in range(count):
         row, column = divmod(index, 2)
         x, y = LEFT + column * (wide + BETWEEN), height - row * FOOT - (row + 1) * (HEAD + body)
-        found.append(panel(figure, x, y, wide, body))
-    return figure, found
+        panels.append(panel(figure, x, y, wide, body))
+    return figure, panels
 
 
 def panel(figure: Figure, x: float, y: float, wide: float, tall: float) -> Axes:
@@ -144,11 +144,11 @@ def log_axis(axis: Any, low: float, high: float, step: int) -> None:
 
 def span(values: Any, room: float = 1.8) -> tuple[float, float]:
     """Ends of a log axis that holds the values, with some room."""
-    known = np.asarray(values, dtype=float).ravel()
-    known = known[np.isfinite(known) & (known > 0)]
-    if not known.size:
+    positive = np.asarray(values, dtype=float).ravel()
+    positive = positive[np.isfinite(positive) & (positive > 0)]
+    if not positive.size:
         return 1e-3, 1.0
-    return float(known.min() / room), float(known.max() * room)
+    return float(positive.min() / room), float(positive.max() * room)
 
 
 def frame(panels: Sequence[Axes], x: str, y: str) -> None:
@@ -261,9 +261,9 @@ class _Spot:
     @classmethod
     def of(cls, route: xarray.Dataset, time: float, errors: Any) -> _Spot:
         """A route by its part of the chart, its time, and its errors."""
-        known = np.maximum(errors, FLOOR)
-        name, own = str(route.route.values), bool(route.own)
-        return cls(name, own, time, float(known.max()), float(np.median(known)))
+        sizes = np.maximum(errors, FLOOR)
+        name, ours = str(route.route.values), bool(route.own)
+        return cls(name, ours, time, float(sizes.max()), float(np.median(sizes)))
 
 
 def spectrum_figure(chart: xarray.Dataset) -> Figure:
@@ -310,7 +310,7 @@ def answering(chart: xarray.Dataset) -> list[str]:
 
 def _spots(chart: xarray.Dataset, names: Sequence[str], kind: str) -> tuple[list[_Spot], list[str]]:
     """Routes whose verdicts are right, and the names of those that have a wrong one."""
-    found, wrong = [], []
+    spots, wrong = [], []
     for name in names:
         cell = chart.sel(route=name, hardness=kind)
         errors = cell.eigenvalues.values
@@ -319,8 +319,8 @@ def _spots(chart: xarray.Dataset, names: Sequence[str], kind: str) -> tuple[list
             wrong.append(name)
         elif errors.size and str(cell.status.values) == "done":
             time = spectrum_chart.seconds(chart, name, kind)[0]
-            found.append(_Spot.of(cell, time, errors))
-    return found, wrong
+            spots.append(_Spot.of(cell, time, errors))
+    return spots, wrong
 
 
 def _draw_routes(axes: Axes, spots: Sequence[_Spot], front: set[str], named: set[str]) -> None:
@@ -328,8 +328,8 @@ def _draw_routes(axes: Axes, spots: Sequence[_Spot], front: set[str], named: set
     steps(axes, [(s.time, s.worst) for s in spots if s.name in front])
     written = []
     for spot in spots:
-        told = spot.name in front or spot.name in named
-        colour = (OWN if spot.own else PEOPLE) if told else PALE
+        bold = spot.name in front or spot.name in named
+        colour = (OWN if spot.own else PEOPLE) if bold else PALE
         axes.plot(
             [spot.time] * 2,
             [spot.median, spot.worst],
@@ -339,28 +339,28 @@ def _draw_routes(axes: Axes, spots: Sequence[_Spot], front: set[str], named: set
             zorder=2,
             solid_capstyle="butt",
         )
-        look = _look(colour, own=spot.own)
-        axes.plot([spot.time], [spot.worst], ms=3, mew=0.7, zorder=4 if told else 3, **look)
-        if told:
+        look = _look(colour, ours=spot.own)
+        axes.plot([spot.time], [spot.worst], ms=3, mew=0.7, zorder=4 if bold else 3, **look)
+        if bold:
             written.append(Letter(spot.time, spot.worst, spot.name, colour))
     letters(axes, written)
 
 
-def _look(colour: str, *, own: bool) -> dict[str, Any]:
+def _look(colour: str, *, ours: bool) -> dict[str, Any]:
     """Mark of a route: the package's are full diamonds."""
     return {
         "ls": "",
-        "marker": "D" if own else "o",
+        "marker": "D" if ours else "o",
         "color": colour,
-        "mfc": colour if own else "white",
+        "mfc": colour if ours else "white",
     }
 
 
 def _route_handles() -> list[object]:
     return [
-        handle("the package's", **_look(OWN, own=True)),
-        handle("common", **_look(PEOPLE, own=False)),
-        handle("other common", **_look(PALE, own=False)),
+        handle("the package's", **_look(OWN, ours=True)),
+        handle("common", **_look(PEOPLE, ours=False)),
+        handle("other common", **_look(PALE, ours=False)),
         handle("down to the median", marker="|", ms=6, color="#555555"),
         front_handle(),
     ]
@@ -384,9 +384,9 @@ def boundary_figure(chart: xarray.Dataset) -> Figure:
         lower = panel(figure, 1.78, foot, WIDTH - 1.78 - RIGHT, rows)
         _boundary_panel(upper, chart, names)
         _boundary_rows(lower, chart, edges)
-        own, common, _, median, front = _route_handles()
+        ours, common, _, median, front = _route_handles()
         missed = handle("missed, by how many", marker="x", color="black", ms=3.4)
-        legend(figure, 0.33, [own, common, median, front, missed], 3)
+        legend(figure, 0.33, [ours, common, median, front, missed], 3)
     return figure
 
 
@@ -422,11 +422,11 @@ def _boundary_rows(axes: Axes, chart: xarray.Dataset, edges: Sequence[str]) -> N
     for row, edge in enumerate(edges):
         here = chart.sel(boundary=edge)
         asked = here.boundary_asked.values & np.isfinite(here.boundary_seconds.values)
-        error, own = here.boundary_error.values, here.own.values
+        error, ours = here.boundary_error.values, here.own.values
         for mine, colour in ((False, PEOPLE), (True, OWN)):
-            known = np.maximum(error[asked & (own == mine) & np.isfinite(error)], FLOOR)
-            line = [row + (0.14 if mine else -0.14)] * known.size
-            axes.plot(known, line, ms=2.4, mew=0.6, **_look(colour, own=mine))
+            errors = np.maximum(error[asked & (ours == mine) & np.isfinite(error)], FLOOR)
+            line = [row + (0.14 if mine else -0.14)] * errors.size
+            axes.plot(errors, line, ms=2.4, mew=0.6, **_look(colour, ours=mine))
         missed = int((asked & np.isnan(error)).sum())
         if missed:
             axes.plot([0.08], [row], "x", ms=3.2, mew=0.9, color="black")
@@ -471,13 +471,13 @@ def calls_figure(rows: Sequence[Mapping[str, Any]]) -> Figure:
             title(axes, QUESTIONS[name].title)
             written = []
             for way, marker in zip(dict.fromkeys(r["way"] for r in mine), "Dos", strict=False):
-                own = QUESTIONS[name].ways[way].own
-                colour = OWN if own else PEOPLE
+                ours = QUESTIONS[name].ways[way].own
+                colour = OWN if ours else PEOPLE
                 spots = [(r["time [s]"], max(r["error"], FLOOR)) for r in mine if r["way"] == way]
                 if isinstance(QUESTIONS[name].sizes[0], int):  # others are no scale
                     axes.plot(*zip(*spots, strict=True), lw=0.6, alpha=0.6, color=colour)
                 for size, (time, error) in zip((2.2, 3.2, 4.4), spots, strict=False):
-                    look = _look(colour, own=own) | {"marker": marker}
+                    look = _look(colour, ours=ours) | {"marker": marker}
                     axes.plot([time], [error], ms=size, mew=0.7, **look)
                 written.append(Letter(*spots[-1], way, colour))
             letters(axes, written)
@@ -513,9 +513,9 @@ def _shares_figure(
     cell in which some were not asked is not full.  `notes` stands to the right of each row.
     """
     methods = list(methods)
-    own = [(ROUTES | DRIVERS)[name].own for name in methods]
-    cuts = [0, *np.cumsum([a != b for a, b in zip(own[:-1], own[1:], strict=True)]).tolist()]
-    y = [i + APART * cut for i, cut in zip(range(len(own)), cuts, strict=False)]
+    ours = [(ROUTES | DRIVERS)[name].own for name in methods]
+    cuts = [0, *np.cumsum([a != b for a, b in zip(ours[:-1], ours[1:], strict=True)]).tolist()]
+    y = [i + APART * cut for i, cut in zip(range(len(ours)), cuts, strict=False)]
     turned = [fill(h, 17) for h in heads] if not label else []
     top = 0.05 + 0.056 * max((len(part) for h in turned for part in h.split("\n")), default=0)
     seen = [m for m, n in zip(marks, np.nansum(counts, axis=(0, 1)), strict=True) if n > 0]
@@ -530,7 +530,7 @@ def _shares_figure(
         axes.set(xlim=(-0.5, len(heads) - 0.5), ylim=(tall - 0.5, -0.5))
         for i, j in np.ndindex(counts.shape[:2]):
             _share_cell(axes, j, y[i], counts[i, j], marks)
-        _label(axes, (y, methods, own), label, heads if label else turned)
+        _label(axes, (y, methods, ours), label, heads if label else turned)
         for place, text in zip(y, notes, strict=False):
             axes.annotate(
                 text,
@@ -559,7 +559,7 @@ def _label(
     label: str,
     heads: Sequence[str],
 ) -> None:
-    places, methods, own = rows
+    places, methods, ours = rows
     if label:
         axes.set_xticks(range(len(heads)), heads, fontsize=SMALL + 0.5)
         axes.set_xlabel(label, fontsize=7, labelpad=2)
@@ -568,7 +568,7 @@ def _label(
         axes.set_xticks(range(len(heads)), heads, rotation=90, fontsize=SMALL, linespacing=1.0)
     axes.set_yticks(places, methods, fontsize=SMALL)
     axes.tick_params(length=0, pad=2)
-    for text, mine in zip(axes.get_yticklabels(), own, strict=True):
+    for text, mine in zip(axes.get_yticklabels(), ours, strict=True):
         text.set_fontweight("bold" if mine else "normal")
     for spine in axes.spines.values():
         spine.set_visible(False)
@@ -744,8 +744,8 @@ def motion_figure(chart: xarray.Dataset, metric: str = "path") -> Figure:
     scenes = panels_of(chart, metric)
     low, high = span(chart.seconds.values)
     with figure_style(STYLE):
-        told = {which: _told(chart, which, metric) for which in scenes}
-        names = {name for names in told.values() for name in names}
+        labelled = {which: _coloured(chart, which, metric) for which in scenes}
+        names = {name for names in labelled.values() for name in names}
         everywhere = [n for n in (*LOOKS, *sorted(names - set(LOOKS))) if n in names]
         handles = _driver_handles(everywhere)
         figure, panels = page(len(scenes), 1.0, 0.3 + 0.13 * -(-len(handles) // 3))
@@ -754,7 +754,7 @@ def motion_figure(chart: xarray.Dataset, metric: str = "path") -> Figure:
             log_axis(axes.yaxis, LOWEST, HIGHEST, 4)
             here = chart.sel(scene=which)
             title(axes, str(here.scene_title.values), _silent(here))
-            _draw_drivers(axes, motion_chart.points(chart, which, metric), told[which])
+            _draw_drivers(axes, motion_chart.points(chart, which, metric), labelled[which])
             steps(axes, _front(chart, which, metric)[1])
         frame(panels, "time of a run [s]", LABELS[metric])
         legend(figure, 0.05 + 0.13 * -(-len(handles) // 3), handles, 3)
@@ -771,18 +771,20 @@ def _front(
     return {key.split()[0] for key in best}, spots
 
 
-def _told(chart: xarray.Dataset, which: str, metric: str) -> set[str]:
+def _coloured(chart: xarray.Dataset, which: str, metric: str) -> set[str]:
     """Drivers in colour in a panel."""
     return (_front(chart, which, metric)[0] | set(REFERENCE_DRIVERS)) & set(
         motion_chart.points(chart, which, metric)
     )
 
 
-def _draw_drivers(axes: Axes, found: dict[str, list[tuple[float, float]]], told: set[str]) -> None:
-    for name, rows in found.items():
+def _draw_drivers(
+    axes: Axes, points: dict[str, list[tuple[float, float]]], labelled: set[str]
+) -> None:
+    for name, rows in points.items():
         times, errors = np.array(rows).T
         errors = np.clip(errors, 2 * LOWEST, HIGHEST / 2)
-        if name in told:
+        if name in labelled:
             axes.plot(times, errors, **(PLAIN | LOOKS.get(name, OTHER)))
         else:
             axes.plot(times, errors, color=PALE, lw=0.6, marker=".", ms=1.6, zorder=2)
@@ -837,16 +839,16 @@ def first_call_figure(chart: xarray.Dataset) -> Figure:
             zip(_repeats(chart).T, chart["first"].values.T, strict=True)
         ):
             for times, shift, look in ((again, -0.16, SOLID), (first, 0.16, OPEN)):
-                known = times[np.isfinite(times)]
-                if known.size:
+                finite = times[np.isfinite(times)]
+                if finite.size:
                     axes.plot(
-                        [known.min(), known.max()],
+                        [finite.min(), finite.max()],
                         [line + shift] * 2,
                         lw=0.8,
                         color=look["mec"],
                         alpha=0.6,
                     )
-                    axes.plot([np.median(known)], [line + shift], **look)
+                    axes.plot([np.median(finite)], [line + shift], **look)
         axes.set_yticks(range(len(names)), names)
         axes.set_ylim(len(names) - 0.4, -0.6)
         axes.tick_params(labelsize=6.5, length=2, pad=1.5)
@@ -877,10 +879,10 @@ OPEN: dict[str, Any] = SOLID | {"mfc": "white"}
 
 def _repeats(chart: xarray.Dataset) -> NDArray[Any]:
     """Least repeat at the middle tolerance, shape (scenes, drivers); NaN without an answer."""
-    found = np.full((chart.sizes["scene"], chart.sizes["driver"]), np.nan)
-    for place in np.ndindex(found.shape):
+    repeats = np.full((chart.sizes["scene"], chart.sizes["driver"]), np.nan)
+    for place in np.ndindex(repeats.shape):
         times = chart.seconds.values[place]
         times = times[np.isfinite(times).any(axis=-1)]
         if len(times):
-            found[place] = np.nanmin(times[len(times) // 2])
-    return found
+            repeats[place] = np.nanmin(times[len(times) // 2])
+    return repeats

@@ -22,7 +22,7 @@ from .spectrum import chart as spectrum_chart
 from .spectrum.routes import ROUTES
 
 if TYPE_CHECKING:
-    from .plan import Part, Standing
+    from .plan import Part, RouteStanding
 
 
 PAGE = "index.html"
@@ -85,8 +85,8 @@ def write(folder: Path, parts: Sequence[Part]) -> Path:
         _lead(machine()),
         "<nav>" + "".join(f'<a href="#{p.name}">{TITLES[p.name]}</a>' for p in parts) + "</nav>",
     ]
-    for one in parts:
-        body += [f'<h2 id="{one.name}">{TITLES[one.name]}</h2>', *_section(one)]
+    for part in parts:
+        body += [f'<h2 id="{part.name}">{TITLES[part.name]}</h2>', *_section(part)]
     body.append(_footer(machine()))
     target = folder / PAGE
     write_file(target, "\n".join(body) + "\n", overwrite=True)
@@ -116,29 +116,29 @@ def _footer(here: Mapping[str, str]) -> str:
     )
 
 
-def _section(one: Part) -> list[str]:
-    files = ", ".join(f'<a href="{name}">{name}</a>' for name in one.data)
-    found = [f"<p>Numbers behind it, every raw timing among them: {files}.</p>"]
+def _section(part: Part) -> list[str]:
+    files = ", ".join(f'<a href="{name}">{name}</a>' for name in part.data)
+    lines = [f"<p>Numbers behind it, every raw timing among them: {files}.</p>"]
     places: list[str] = []
-    if one.name == "failures":
-        found += _verdict(one.chart)
-    elif one.name == "scenes":
-        found.append(f"<p>{html.escape(sentence(one.chart))}</p>")
-    elif one.name != "calls":
-        told, places = _standings(one)
-        found.append(told)
-    if not one.plates and one.name != "scenes":
-        found.append("<p>No cell of this part has ended, so no figure is drawn.</p>")
-    found += [*_methods(one), '<div class="figures">']
+    if part.name == "failures":
+        lines += _verdict(part.chart)
+    elif part.name == "scenes":
+        lines.append(f"<p>{html.escape(sentence(part.chart))}</p>")
+    elif part.name != "calls":
+        paragraph, places = _standings(part)
+        lines.append(paragraph)
+    if not part.plates and part.name != "scenes":
+        lines.append("<p>No cell of this part has ended, so no figure is drawn.</p>")
+    lines += [*_methods(part), '<div class="figures">']
     endings = {"png": "PNG", "pdf": "PDF"}
-    found += [figure(p.stem, p.caption, p.caption[:90], endings) for p in one.plates]
-    found.append("</div>")
-    if one.name == "failures":
-        found += _tables(one.chart)
-    return found + places
+    lines += [figure(p.stem, p.caption, p.caption[:90], endings) for p in part.plates]
+    lines.append("</div>")
+    if part.name == "failures":
+        lines += _tables(part.chart)
+    return lines + places
 
 
-def _methods(one: Part) -> list[str]:
+def _methods(part: Part) -> list[str]:
     """The methods of a part, a line each, and why some of them crash."""
     asked = {
         "spectrum": spectrum_chart.CHARTED,
@@ -146,42 +146,42 @@ def _methods(one: Part) -> list[str]:
         "failures": (*catalogue.ROUTE_NAMES, *catalogue.DRIVER_NAMES),
         "calls": WAYS,
         "scenes": (),
-    }[one.name]
+    }[part.name]
     if not asked:
         return []
-    known: dict[str, Any] = WAYS if one.name == "calls" else {**ROUTES, **DRIVERS}
-    given = set(_asked(one))
+    table: dict[str, Any] = WAYS if part.name == "calls" else {**ROUTES, **DRIVERS}
+    names = set(_asked(part))
     lines = [
-        f"<dt{' class=own' if known[n].own else ''}>{n}</dt><dd>{html.escape(known[n].title)}</dd>"
+        f"<dt{' class=own' if table[n].own else ''}>{n}</dt><dd>{html.escape(table[n].title)}</dd>"
         for n in asked
-        if n in given
+        if n in names
     ]
-    found = ["<h3>Methods</h3>", '<dl class="methods">', *lines, "</dl>"]
-    if one.name == "failures":
-        found += _crashes(one.chart, known)
-    return found
+    block = ["<h3>Methods</h3>", '<dl class="methods">', *lines, "</dl>"]
+    if part.name == "failures":
+        block += _crashes(part.chart, table)
+    return block
 
 
-def _asked(one: Part) -> Iterable[str]:
+def _asked(part: Part) -> Iterable[str]:
     """Names of the methods that a part asked."""
-    if one.name == "failures":
-        return (e.method for e in one.chart)
-    if one.name == "calls":
-        return (row["way"] for row in one.chart)
-    along = "route" if one.name == "spectrum" else "driver"
-    return [str(name) for name in one.chart[along].values]
+    if part.name == "failures":
+        return (e.method for e in part.chart)
+    if part.name == "calls":
+        return (row["way"] for row in part.chart)
+    along = "route" if part.name == "spectrum" else "driver"
+    return [str(name) for name in part.chart[along].values]
 
 
-def _crashes(found: Sequence[catalogue.Entry], known: Mapping[str, Any]) -> list[str]:
+def _crashes(answers: Sequence[catalogue.Entry], records: Mapping[str, Any]) -> list[str]:
     """For each method that crashed: how often, with which message, and why."""
     lines = []
-    for name in dict.fromkeys(e.method for e in found if e.mark is Mark.CRASHED):
-        asked = [e for e in found if e.method == name and e.mark is not None]
+    for name in dict.fromkeys(e.method for e in answers if e.mark is Mark.CRASHED):
+        asked = [e for e in answers if e.method == name and e.mark is not None]
         crashed = [e for e in asked if e.mark is Mark.CRASHED]
         said, _ = Counter(e.note for e in crashed).most_common(1)[0]
         lines.append(
             f"<dt>{name}: {len(crashed)} of {len(asked)} cases</dt><dd>"
-            f"{html.escape(known[name].flaw)} Message: <code>{html.escape(said)}</code></dd>"
+            f"{html.escape(records[name].flaw)} Message: <code>{html.escape(said)}</code></dd>"
         )
     return ["<h3>Why some crash</h3>", "<dl>", *lines, "</dl>"] if lines else []
 
@@ -189,7 +189,7 @@ def _crashes(found: Sequence[catalogue.Entry], known: Mapping[str, Any]) -> list
 # --- charts ---
 
 
-def reason(standing: Standing) -> str:
+def reason(standing: RouteStanding) -> str:
     """Reason why a route is not on the front."""
     for (route, word), text in ANOTHER.items():
         if route == standing.route and (word in standing.panel or word in standing.rival):
@@ -197,22 +197,22 @@ def reason(standing: Standing) -> str:
     return WHY[standing.route]
 
 
-def _standings(one: Part) -> tuple[str, list[str]]:
+def _standings(part: Part) -> tuple[str, list[str]]:
     """A paragraph on the standing of the package's default routes, and their table."""
     from .plan import nearest, standings
 
-    found = standings(one)
-    best = nearest(found).values()
+    rows = standings(part)
+    best = nearest(rows).values()
     if not best:
         return "", []
     behind = [s for s in best if not s.on_front]
-    told = (
+    paragraph = (
         f"<p>In {len(best) - len(behind)} of {len(best)} panels a route that the package "
         "takes by default is on the Pareto front."
     )
     if behind:
         factors = dict.fromkeys(f"{f(s.factor for s in behind):.2g}" for f in (min, max))
-        told += (
+        paragraph += (
             f" In the others the nearest is {' to '.join(factors)} times slower than the fastest "
             "route that is as accurate; the table below the figures says for each why."
         )
@@ -222,7 +222,7 @@ def _standings(one: Part) -> tuple[str, list[str]]:
         "<tr><th>panel</th><th>route</th><th>front</th><th>times slower than</th><th></th>"
         "<th>because</th></tr>",
     ]
-    for s in found:
+    for s in rows:
         rest = (
             "<td></td><td></td><td></td>"
             if s.on_front
@@ -234,23 +234,23 @@ def _standings(one: Part) -> tuple[str, list[str]]:
             f'<tr><td>{html.escape(s.panel)}</td><td class="own">{s.route}</td>'
             f"<td>{mark}</td>{rest}</tr>"
         )
-    return told + "</p>", [*lines, "</table></div></details>"]
+    return paragraph + "</p>", [*lines, "</table></div></details>"]
 
 
 # --- catalogue ---
 
 
-def _verdict(found: Sequence[catalogue.Entry]) -> list[str]:
-    bad = catalogue.misleading(found)
-    asked = [e for e in found if e.mark is not None]
+def _verdict(answers: Sequence[catalogue.Entry]) -> list[str]:
+    bad = catalogue.misleading(answers)
+    asked = [e for e in answers if e.mark is not None]
     defaults = catalogue.defaults()
     mine = [e for e in asked if e.method in defaults]
     counts = {mark: sum(e.mark is mark for e in mine) for mark in Mark}
-    told = ", ".join(f"{n} {mark.word}" for mark, n in counts.items() if n)
+    listing = ", ".join(f"{n} {mark.word}" for mark, n in counts.items() if n)
     cases = len({(e.part, e.case) for e in asked})
     lines = [
         f"<p>{cases} hard cases, {len(asked)} answers. The routes that the package takes by "
-        f"default gave {len(mine)} of them: {told}.</p>"
+        f"default gave {len(mine)} of them: {listing}.</p>"
     ]
     if bad:
         rows = "; ".join(f"{e.case}, {e.method}: {e.mark.word if e.mark else ''}" for e in bad)
@@ -262,15 +262,15 @@ def _verdict(found: Sequence[catalogue.Entry]) -> list[str]:
     return [*lines, f"<ul>{legend}</ul>"]
 
 
-def _tables(found: Sequence[catalogue.Entry]) -> list[str]:
-    lines, own = [], catalogue.own_methods()
+def _tables(answers: Sequence[catalogue.Entry]) -> list[str]:
+    lines, ours = [], catalogue.own_methods()
     for part, heading in catalogue.HEADINGS.items():
-        methods, rows = catalogue.by_case(found, part)
+        methods, rows = catalogue.by_case(answers, part)
         if not rows:
             continue
         titles: dict[str, Any] = {**ROUTES, **DRIVERS}
         head = "".join(
-            f'<th class="turned{" own" if m in own else ""}" '
+            f'<th class="turned{" own" if m in ours else ""}" '
             f'title="{html.escape(titles[m].title, quote=True)}">{m}</th>'
             for m in methods
         )
@@ -280,8 +280,8 @@ def _tables(found: Sequence[catalogue.Entry]) -> list[str]:
         ]
         texts = catalogue.texts(part)
         for case, row in rows.items():
-            physics, known = texts[case]
-            tip = html.escape(f"{physics}. Known: {known}", quote=True)
+            physics, truth = texts[case]
+            tip = html.escape(f"{physics}. Known: {truth}", quote=True)
             cells = "".join(map(_cell, row))
             lines.append(f'<tr><td title="{tip}">{html.escape(case)}</td>{cells}</tr>')
         lines.append("</table></div></details>")

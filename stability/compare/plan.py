@@ -144,7 +144,7 @@ class Part:
 
 
 @dataclass(frozen=True)
-class Standing:
+class RouteStanding:
     """Standing of a default route of the package in a panel."""
 
     panel: str
@@ -159,33 +159,33 @@ class Standing:
     """Name of that fastest route."""
 
 
-def standings(one: Part) -> list[Standing]:
+def standings(part: Part) -> list[RouteStanding]:
     """Standing of the package's default routes in every panel of a chart."""
-    found = []
+    rows = []
     defaults = catalogue.defaults()
     panels: list[tuple[str, Any]] = []
-    if one.name == SPECTRUM:
+    if part.name == SPECTRUM:
         for quantity, text in QUANTITIES.items():
-            kinds = one.chart.hardness.values.tolist()
+            kinds = part.chart.hardness.values.tolist()
             if quantity == "boundary":
-                kinds = [""] if "boundary" in one.chart.sizes else []
+                kinds = [""] if "boundary" in part.chart.sizes else []
             for kind in kinds:
-                place = spectrum_chart.standing(one.chart, quantity, kind)
+                place = spectrum_chart.standing(part.chart, quantity, kind)
                 panels.append((f"{text}, {kind}".rstrip(", "), place))
     else:
-        for which in one.chart.scene.values.tolist():
+        for which in part.chart.scene.values.tolist():
             for metric, text in METRICS.items():
                 if metric != "event" or scene(which).ends or scene(which).events:
-                    place = motion_chart.standing(one.chart, which, metric)
+                    place = motion_chart.standing(part.chart, which, metric)
                     panels.append((f"{text}, {which}", place))
     for panel, places in panels:
         for route, place in places.items():
             if route in defaults:
-                found.append(Standing(panel, route, place.on_front, place.factor, place.rival))
-    return found
+                rows.append(RouteStanding(panel, route, place.on_front, place.factor, place.rival))
+    return rows
 
 
-def nearest(found: Sequence[Standing]) -> dict[str, Standing]:
+def nearest(rows: Sequence[RouteStanding]) -> dict[str, RouteStanding]:
     """The default route in each panel that is on the front, or nearest to it.
 
     Returns
@@ -193,8 +193,8 @@ def nearest(found: Sequence[Standing]) -> dict[str, Standing]:
     dict
         By panel.
     """
-    best: dict[str, Standing] = {}
-    for one in found:
-        if one.panel not in best or one.factor < best[one.panel].factor:
-            best[one.panel] = one
+    best: dict[str, RouteStanding] = {}
+    for row in rows:
+        if row.panel not in best or row.factor < best[row.panel].factor:
+            best[row.panel] = row
     return best

@@ -136,9 +136,9 @@ def report(
             plan |= {n: groups for n, groups in others.items() if done(groups, journal.pieces)}
             ready = []
             for name in (n for n in PARTS if n in plan):
-                ready.append(one := part(name, asked(plan[name], journal.pieces)))
-                if name in wanted or not all((folder / file).exists() for file in one.data):
-                    _write(folder, one)
+                ready.append(piece := part(name, asked(plan[name], journal.pieces)))
+                if name in wanted or not all((folder / file).exists() for file in piece.data):
+                    _write(folder, piece)
             return write(folder, ready)
     except FileError:
         raise
@@ -178,17 +178,17 @@ def part(name: str, cells: Mapping[str, Cell]) -> Part:
 
 def _spectrum(cells: Mapping[str, Cell]) -> Part:
     chart = spectrum_chart.dataset(cells)
-    found: list[Plate] = []
+    plates: list[Plate] = []
     if chart.sizes["hardness"]:
-        found += _classes(chart)
+        plates += _classes(chart)
     if "boundary" in chart.sizes:
-        found.append(_places(chart))
+        plates.append(_places(chart))
     data: dict[str, Callable[[], Any]] = {
         "spectrum.nc": lambda: chart,
         "spectrum.csv": lambda: spectrum_chart.spectrum_csv(cells),
         "boundaries.csv": lambda: spectrum_chart.boundary_csv(cells),
     }
-    return Part(SPECTRUM, tuple(found), data, chart)
+    return Part(SPECTRUM, tuple(plates), data, chart)
 
 
 def _classes(chart: xarray.Dataset) -> list[Plate]:
@@ -197,7 +197,7 @@ def _classes(chart: xarray.Dataset) -> list[Plate]:
 
     count = int(np.nanmax(chart["count"].values, initial=0))
     truth = f"Truth: {chart.attrs['truth']}."
-    found = [
+    plates = [
         Plate(
             "spectrum-verdict",
             f"Verdicts in {chart.sizes['hardness']} classes of problems, {count} points at most: "
@@ -208,7 +208,7 @@ def _classes(chart: xarray.Dataset) -> list[Plate]:
         )
     ]
     if answering(chart):
-        found.append(Plate(
+        plates.append(Plate(
             "spectrum-eigenvalues",
             "Eigenvalues, for routes without a wrong verdict: least time per point against the "
             "largest error over the points (its line ends at the median error), relative to the "
@@ -217,7 +217,7 @@ def _classes(chart: xarray.Dataset) -> list[Plate]:
             f"μ* is μ√(gR). {truth}",
             lambda: spectrum_figure(chart),
         ))  # fmt: skip
-    return found
+    return plates
 
 
 def _places(chart: xarray.Dataset) -> Plate:
@@ -321,7 +321,7 @@ STRAW = (
 def _failures(cells: Mapping[str, Cell]) -> Part:
     from .figures import failure_figure, ladder_figure
 
-    found = catalogue.entries(cells)
+    answers = catalogue.entries(cells)
     plates = [
         Plate(
             f"failures-{name}",
@@ -331,34 +331,34 @@ def _failures(cells: Mapping[str, Cell]) -> Part:
             lambda mine=mine: failure_figure(mine),  # type: ignore[misc]
         )
         for name, heading in catalogue.HEADINGS.items()
-        if (mine := [e for e in found if e.part == name])
+        if (mine := [e for e in answers if e.part == name])
     ]  # fmt: skip
-    if edges := len(catalogue.asked_edges(found)):
+    if edges := len(catalogue.asked_edges(answers)):
         plates.append(Plate(
             "failures-ladder",
             "Verdicts on both sides of boundaries, at relative distances 10⁻¹ to 10⁻¹⁵: shares of "
             f"the {edges} boundaries for which each route is right, undecided or wrong; blank "
             f"where it crashed. Bold: the package's.{STRAW}",
-            lambda: ladder_figure(found),
+            lambda: ladder_figure(answers),
         ))  # fmt: skip
     data = {
-        "failures.md": lambda: catalogue.as_markdown(found),
-        "failures.csv": lambda: catalogue.as_csv(found),
+        "failures.md": lambda: catalogue.as_markdown(answers),
+        "failures.csv": lambda: catalogue.as_csv(answers),
     }
-    return Part(FAILURES, tuple(plates), data, found)
+    return Part(FAILURES, tuple(plates), data, answers)
 
 
 # --- files ---
 
 
-def _write(folder: Path, one: Part) -> None:
+def _write(folder: Path, piece: Part) -> None:
     from ..figures import canvas
 
-    for plate in one.plates:
+    for plate in piece.plates:
         figure = plate.draw()
         for suffix in canvas.FORMATS:
             canvas.save_figure(figure, folder / f"{plate.stem}{suffix}")
-    for name, make in one.data.items():
+    for name, make in piece.data.items():
         content = make()
         if isinstance(content, str):
             write_file(folder / name, content, overwrite=True)

@@ -55,8 +55,8 @@ def measure(name: str) -> dict[str, Any]:
     """
     scene = SCENES[name][1]
     mu = float(scene.contact.given["mu"])
-    found = chart(scene, {"linear-viscous": LinearViscous(mu=mu), "rough": Rough()})
-    return {str(key): value for key, value in found.to_dict().items()}
+    result = chart(scene, {"linear-viscous": LinearViscous(mu=mu), "rough": Rough()})
+    return {str(key): value for key, value in result.to_dict().items()}
 
 
 def datasets(cells: Mapping[str, Cell]) -> dict[str, xarray.Dataset]:
@@ -74,8 +74,8 @@ def datasets(cells: Mapping[str, Cell]) -> dict[str, xarray.Dataset]:
 def choice(dataset: xarray.Dataset) -> tuple[str, str, float]:
     """Which model answers, which is the cheapest that truly could, and the ratio of their times."""
     models, costs = dataset.model.values, dataset.cost.values
-    own = dataset.kind.values != "other law"
-    fine = own & (dataset.true_error.values <= float(dataset.tolerance))
+    ours = dataset.kind.values != "other law"
+    fine = ours & (dataset.true_error.values <= float(dataset.tolerance))
     chosen = int(np.flatnonzero(dataset.chosen.values)[0])
     best = int(np.argmin(np.where(fine, costs, math.inf))) if fine.any() else chosen
     return str(models[chosen]), str(models[best]), float(costs[chosen] / costs[best])
@@ -85,27 +85,27 @@ def rows(charts: Mapping[str, xarray.Dataset]) -> Iterator[list[Any]]:
     """Rows of the table with `COLUMNS`."""
     for name, data in charts.items():
         for i in range(data.sizes["model"]):
-            one = data.isel(model=i)
-            numbers = (float(one[key]) for key in ("cost", "true_error", "estimate"))
+            model = data.isel(model=i)
+            numbers = (float(model[key]) for key in ("cost", "true_error", "estimate"))
             yield [
                 name,
-                str(one.model.values),
-                str(one.kind.values),
-                int(one.dimension),
+                str(model.model.values),
+                str(model.kind.values),
+                int(model.dimension),
                 *(f"{v:.3e}" if math.isfinite(v) else "" for v in numbers),
-                "yes" if bool(one.chosen) else "no",
+                "yes" if bool(model.chosen) else "no",
             ]
 
 
 def sentence(charts: Mapping[str, xarray.Dataset]) -> str:
     """How often the model that answers is the cheapest one that could."""
-    told = [choice(data) for data in charts.values()]
-    good = sum(ratio <= FACTOR for _, _, ratio in told)
+    picks = [choice(data) for data in charts.values()]
+    good = sum(ratio <= FACTOR for _, _, ratio in picks)
     words = "; ".join(
         f"{name}: {chosen}" + (f" ({ratio:.2g} times the time of {best})" if ratio > FACTOR else "")
-        for name, (chosen, best, ratio) in zip(charts, told, strict=True)
+        for name, (chosen, best, ratio) in zip(charts, picks, strict=True)
     )
     return (
-        f"In {good} of {len(told)} scenes the model that answers is the cheapest whose true error "
+        f"In {good} of {len(picks)} scenes the model that answers is the cheapest whose true error "
         f"is within the tolerance, or takes at most {FACTOR:g} times as long ({words})."
     )

@@ -11,7 +11,7 @@ import numpy as np
 from ..base.axis import Axis
 from ..base.errors import StabilityError, StabilityWarning
 from ..base.verdict import CODES
-from ..maps.boxes import Boxes, prove_boxes
+from ..maps.boxes import ProvedBoxes, prove_boxes
 from ..spectra.axes import swept
 from ..spectra.problem import Problem
 from .subject import PageSubject
@@ -82,7 +82,7 @@ def own_certificates(subject: PageSubject) -> list[Any]:
         return []
 
 
-def packed(boxes: Boxes, x: Axis, y: Axis) -> str:
+def packed(boxes: ProvedBoxes, x: Axis, y: Axis) -> str:
     """The rectangles as a tree, the first corner first: `+` for one that is cut in four.
 
     Examples

@@ -159,10 +159,10 @@ def dense(subject: Any, name: str | None = None) -> ca.Function:
             c_name(name or subject.name), [subject.x, subject.p], both, ["x", "p"], ["f", "J"]
         )
     if isinstance(subject, ca.Function):
-        given = [ca.SX.sym(n, *subject.size_in(i)) for i, n in enumerate(subject.name_in())]
-        found = [ca.densify(v) for v in subject.call(given)]
+        inputs = [ca.SX.sym(n, *subject.size_in(i)) for i, n in enumerate(subject.name_in())]
+        outputs = [ca.densify(v) for v in subject.call(inputs)]
         return ca.Function(
-            c_name(name or subject.name()), given, found, subject.name_in(), subject.name_out()
+            c_name(name or subject.name()), inputs, outputs, subject.name_in(), subject.name_out()
         )
     raise ParameterError(
         f"subject is {shown(subject)}; give a System, a Family, or a casadi.Function."
@@ -177,8 +177,8 @@ def c_name(text: str) -> str:
     >>> c_name("disk, viscous")
     'disk_viscous'
     """
-    found = re.sub(r"\W+", "_", text, flags=re.ASCII).strip("_")
-    return found if found[:1].isalpha() else f"f_{found}"
+    word = re.sub(r"\W+", "_", text, flags=re.ASCII).strip("_")
+    return word if word[:1].isalpha() else f"f_{word}"
 
 
 def generated(function: ca.Function) -> tuple[str, str]:
@@ -211,15 +211,15 @@ int {name}(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_re
 
 
 def _example(function: ca.Function, points: int) -> str:
-    given, wanted = _points(function, points)
+    arguments, wanted = _points(function, points)
     n_in, n_out = function.n_in(), function.n_out()
     return EXAMPLE.format(
         name=function.name(),
         points=points,
         agrees=AGREES,
-        wide=max(1, given.shape[1]),
+        wide=max(1, arguments.shape[1]),
         tall=wanted.shape[1],
-        given=_rows(given),
+        given=_rows(arguments),
         wanted=_rows(wanted),
         inputs=", ".join(str(function.numel_in(i)) for i in range(n_in)),
         outputs=", ".join(str(function.numel_out(i)) for i in range(n_out)),
@@ -239,19 +239,19 @@ def _rows(table: Floats) -> str:
 def _points(function: ca.Function, points: int) -> tuple[Floats, Floats]:
     """Random inputs near 1 with finite outputs, and the outputs."""
     rng = np.random.default_rng(SEED)
-    given: list[Floats] = []
+    drawn: list[Floats] = []
     wanted: list[Floats] = []
     for _ in range(TRIES * points):
         inputs = [rng.uniform(0.5, 1.5, function.size_in(i)) for i in range(function.n_in())]
         outputs: Sequence[Any] = function.call([ca.DM(v) for v in inputs])
         values = np.concatenate([np.asarray(v).ravel(order="F") for v in outputs])
         if np.isfinite(values).all():
-            given.append(np.concatenate([v.ravel(order="F") for v in inputs]))
+            drawn.append(np.concatenate([v.ravel(order="F") for v in inputs]))
             wanted.append(values)
-        if len(given) == points:
-            return np.array(given), np.array(wanted)
+        if len(drawn) == points:
+            return np.array(drawn), np.array(wanted)
     raise DomainError(
-        f"{function.name()} has finite values at {len(given)} of {TRIES * points} random points "
+        f"{function.name()} has finite values at {len(drawn)} of {TRIES * points} random points "
         "from 0.5 to 1.5; no example can be made."
     )
 

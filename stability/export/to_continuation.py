@@ -74,7 +74,7 @@ class SteadyProblem:
 
 
 def _steady_problem(
-    family: Family, free: str, start: float, stop: float, given: Mapping[str, Any]
+    family: Family, free: str, start: float, stop: float, parameters: Mapping[str, Any]
 ) -> SteadyProblem:
     """The problem of a family, with its start.
 
@@ -86,7 +86,7 @@ def _steady_problem(
         Name of the parameter that is continued.
     start, stop
         Its first and last value.
-    given
+    parameters
         Values of all others by name.
 
     Returns
@@ -107,10 +107,10 @@ def _steady_problem(
         raise NameUnknownError(f"free is {shown(free)}; known are {', '.join(names)}.")
     if float(start) == float(stop) or not np.isfinite([start, stop]).all():
         raise ParameterError(f"start is {start:g} and stop is {stop:g}; give two finite numbers.")
-    _check(names, free, given)
+    _check(names, free, parameters)
     family.system.refuse_algebraic("a continuation program")
     _isolated(family)
-    numbers = {n: float(given[n]) for n in names if n != free} | {free: float(start)}
+    numbers = {n: float(parameters[n]) for n in names if n != free} | {free: float(start)}
     values = np.array([numbers[n] for n in names])
     whole = family.member(values[: len(family.at)], values[len(family.at) :])
     keep = [i for i, n in enumerate(family.system.states) if n not in family.left_out]
@@ -125,15 +125,15 @@ def _steady_problem(
     )
 
 
-def _check(names: tuple[str, ...], free: str, given: Mapping[str, Any]) -> None:
-    for name in given:
+def _check(names: tuple[str, ...], free: str, parameters: Mapping[str, Any]) -> None:
+    for name in parameters:
         if name not in names or name == free:
             left = ", ".join(n for n in names if n != free)
             raise NameUnknownError(f"{name} is no parameter to give; these are {left}.")
-    missing = [n for n in names if n != free and n not in given]
+    missing = [n for n in names if n != free and n not in parameters]
     if missing:
         raise ParameterError(f"{missing[0]} has no value; give {', '.join(missing)}.")
-    for name, value in given.items():
+    for name, value in parameters.items():
         if not isinstance(value, (int, float, np.number)) or not np.isfinite(value):
             raise ParameterError(f"{name} is {shown(value)}; give one finite number.")
 
@@ -161,11 +161,11 @@ def _function(family: Family, keep: list[int]) -> ca.Function:
     table: dict[str, Any] = dict(zip(names, ca.vertsplit(par), strict=True))
     state: Any = ca.SX.zeros(len(system.states))  # ignorable states act on nothing
     state[keep] = u
-    own = ca.vertcat(*[table.get(n, 0) for n in system.parameters])
+    parameters = ca.vertcat(*[table.get(n, 0) for n in system.parameters])
     rates, seen = ca.substitute(
         [system.rhs, ca.vertcat(*[system.observables[n] for n in _seen(family)])],
         [system.x, system.p],
-        [state, own],
+        [state, parameters],
     )
     rows = [
         *(rates[system.states.index(n)] for n in family.equations if n in system.states),
@@ -323,11 +323,11 @@ def auto_input(
             f"{family.name} has {len(problem.parameters)} parameters; AUTO has room for "
             f"{MOST_PARAMETERS}."
         )
-    own = c_name(name or family.name)
+    stem = c_name(name or family.name)
     title = f"{family.name} of {family.system.name}".replace("*/", "")
     files = {
-        f"{own}.c": _equations(problem, own, title),
-        f"c.{own}": _constants(problem, own, title),
+        f"{stem}.c": _equations(problem, stem, title),
+        f"c.{stem}": _constants(problem, stem, title),
     }
     return write_folder(out, files, overwrite=overwrite)
 
@@ -465,16 +465,16 @@ def bifurcationkit_input(
     ['spinning.jl']
     """
     problem = _steady_problem(family, free, start, stop, parameters)
-    own = c_name(name or family.name)
+    stem = c_name(name or family.name)
     title = f"{family.name} of {family.system.name}".replace("\n", " ")
-    return write_folder(out, {f"{own}.jl": _file(problem, own, title)}, overwrite=overwrite)
+    return write_folder(out, {f"{stem}.jl": _file(problem, stem, title)}, overwrite=overwrite)
 
 
 def _file(problem: SteadyProblem, name: str, title: str) -> str:
     f = problem.function
     inputs = f.sx_in()
     outputs = f.call(inputs)
-    rates, found = _straight(ca.Function("rates", inputs, [outputs[0]]))
+    rates, results = _straight(ca.Function("rates", inputs, [outputs[0]]))
     slopes, entries = _straight(ca.Function("slopes", inputs, [outputs[1]]))
     named = zip(problem.parameters, problem.values, strict=True)
     words = [c_name(n) for n in problem.parameters]
@@ -484,7 +484,7 @@ def _file(problem: SteadyProblem, name: str, title: str) -> str:
         states=", ".join(problem.states),
         rates=rates,
         slopes=slopes,
-        outputs=", ".join(found),
+        outputs=", ".join(results),
         entries=", ".join(entries),
         ndim=len(problem.states),
         unpacked=", ".join(f"p.{w}" for w in words),
@@ -513,10 +513,10 @@ def _straight(function: ca.Function) -> tuple[str, list[str]]:
     def two(name: str) -> Any:
         return lambda y, x: record.line(f"{name}({record.text(y)}, {record.text(x)})")
 
-    own = record.algebra()
+    plain = record.algebra()
     table = {n: two(name) for n, name in TWO}
     table["sign"] = lambda x: record.line(f"sign({record.text(x)})")
-    number = Algebra(own.name, own.constant, own.functions | table, lasting=False)
+    number = Algebra(plain.name, plain.constant, plain.functions | table, lasting=False)
     inputs = [
         [Line(record, f"{word}[{i + 1}]") for i in range(function.numel_in(j))]
         for j, word in enumerate(("u", "par"))

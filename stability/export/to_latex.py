@@ -167,20 +167,20 @@ class _Motion:
             ca.densify(s) for s in (system.rhs[free], system.mass, system.forcing) if s is not None
         ]
         graph = ca.Function("sides", [system.x, system.p], sides)
-        own, *rest = [
+        rates, *rest = [
             [sympy.sympify(v) for v in side] for side in Program(graph).run(ALGEBRA, inputs)
         ]
         sizes: dict[Expr, int] = {}
-        if (signs := sum(_size(e, sizes) for e in chain(own, *rest))) > LARGEST:
+        if (signs := sum(_size(e, sizes) for e in chain(rates, *rest))) > LARGEST:
             raise ParameterError(
                 f"{system.name} has equations of {signs:.1g} symbols and signs, too many to print; "
                 "stability.export.c_code writes them as code."
             )
-        if any(e.has(sympy.zoo, sympy.nan) for e in chain(own, *rest)):
+        if any(e.has(sympy.zoo, sympy.nan) for e in chain(rates, *rest)):
             raise ParameterError(
                 f"{system.name} has a number that is not finite, such as 1/0; give finite ones."
             )
-        table = {system.states[i]: rate for i, rate in zip(free, own, strict=True)}
+        table = {system.states[i]: rate for i, rate in zip(free, rates, strict=True)}
         for state, rate in table.items():  # q_rate, if it is the rate of q, reads as a velocity
             if str(rate) == f"{state}_rate" in system.states:
                 names[f"{state}_rate"] = dotted(names[state])
@@ -263,11 +263,11 @@ def _symbol(name: str) -> Expr:
     return sympy.Symbol(name)
 
 
-def _size(expression: Expr, known: dict[Expr, int]) -> int:
+def _size(expression: Expr, sizes: dict[Expr, int]) -> int:
     """How many symbols and signs it takes to write an expression."""
-    if expression not in known:
-        known[expression] = 1 + sum(_size(part, known) for part in expression.args)
-    return known[expression]
+    if expression not in sizes:
+        sizes[expression] = 1 + sum(_size(part, sizes) for part in expression.args)
+    return sizes[expression]
 
 
 def bare(latex: str) -> str:
@@ -296,7 +296,7 @@ def _of_family(family: Family) -> list[str]:
     said += [rf"{names[n]}\text{{ solved for}}" for n in family.unknown]
     said += [rf"{names[n]}\text{{ of any value}}" for n in family.left_out]
     said = [
-        *(rf"{one},\;" for one in said),
+        *(rf"{formula},\;" for formula in said),
         rf"\text{{named by }}{', '.join(names[n] for n in family.at)}",
     ]
     return [
@@ -348,11 +348,15 @@ def _of_conditions(derived: Conditions) -> list[str]:
     asked = [c for c in derived.conditions if any(any(e) for _, e in c.polynomial.terms)]
     if derived.branch and asked:
         out.append(rf"\noindent On {escaped(derived.branch)}:")
-    for one in asked:
-        status = one.status + " sign" * (one.status == "changes")
-        out.append(rf"\noindent {escaped(one.name)} of $p_{{{one.factor + 1}}}$: {status}")
-        sign = {"negative": "<", "zero": "="}.get(one.status, ">")
-        side = shortest(_expression(one.polynomial, _scale([one.polynomial])), sheet.names)
+    for condition in asked:
+        status = condition.status + " sign" * (condition.status == "changes")
+        out.append(
+            rf"\noindent {escaped(condition.name)} of $p_{{{condition.factor + 1}}}$: {status}"
+        )
+        sign = {"negative": "<", "zero": "="}.get(condition.status, ">")
+        side = shortest(
+            _expression(condition.polynomial, _scale([condition.polynomial])), sheet.names
+        )
         *terms, last = sheet.sum(side)
         out += sheet.display([[*terms, f"{last} {sign} 0"]])
     return out if asked else [*out, rf"\noindent {escaped(derived.rule)}"]
@@ -399,8 +403,8 @@ class _Printer(LatexPrinter):  # type: ignore[misc]
         return scientific(repr(float(value)).removesuffix(".0"))
 
     def _print_Sign(self, value: Expr) -> str:
-        given = ", ".join(map(self._print, value.args))
-        return rf"\operatorname{{{type(value).__name__.lower()}}}\left({given}\right)"
+        arguments = ", ".join(map(self._print, value.args))
+        return rf"\operatorname{{{type(value).__name__.lower()}}}\left({arguments}\right)"
 
     _print_atan2 = _print_Sign
 
@@ -433,7 +437,7 @@ def written(expression: Expr, names: Mapping[Expr, str]) -> str:
     return str(_Printer(settings).doprint(expression))
 
 
-def terms_of(expression: Expr, known: dict[Expr, int] | None = None) -> int:
+def terms_of(expression: Expr, sizes: dict[Expr, int] | None = None) -> int:
     """The number of terms after multiplying out, or more.
 
     Examples
@@ -442,18 +446,18 @@ def terms_of(expression: Expr, known: dict[Expr, int] | None = None) -> int:
     >>> terms_of((x + y) ** 3 * (1 + x))
     16
     """
-    known = {} if known is None else known
-    if expression not in known:
-        counts = [terms_of(part, known) for part in expression.args]
+    sizes = {} if sizes is None else sizes
+    if expression not in sizes:
+        counts = [terms_of(part, sizes) for part in expression.args]
         if expression.is_Add:
-            known[expression] = sum(counts)
+            sizes[expression] = sum(counts)
         elif expression.is_Mul:
-            known[expression] = min(prod(counts), 10**9)
+            sizes[expression] = min(prod(counts), 10**9)
         elif expression.is_Pow and expression.exp.is_Integer and expression.exp > 0:
-            known[expression] = min(counts[0] ** min(int(expression.exp), 30), 10**9)
+            sizes[expression] = min(counts[0] ** min(int(expression.exp), 30), 10**9)
         else:
-            known[expression] = 1
-    return known[expression]
+            sizes[expression] = 1
+    return sizes[expression]
 
 
 def multiplied_out(expression: Expr) -> Expr:
@@ -468,7 +472,7 @@ def shortest(expression: Expr, names: Mapping[Expr, str]) -> Expr:
     if terms_of(expression) > MOST:
         return expression
     forms = [expression, sums := multiplied_out(expression)]
-    for one, other in ((sympy.sin, sympy.cos), (sympy.cos, sympy.sin)):
+    for kind, other in ((sympy.sin, sympy.cos), (sympy.cos, sympy.sin)):
 
         def by_other(power: Expr, other: Callable[..., Expr] = other) -> Expr:
             whole, odd = divmod(int(power.exp), 2)
@@ -477,8 +481,8 @@ def shortest(expression: Expr, names: Mapping[Expr, str]) -> Expr:
         forms.append(
             multiplied_out(
                 sums.replace(
-                    lambda e, one=one: (
-                        e.is_Pow and e.base.func is one and e.exp.is_Integer and e.exp > 1
+                    lambda e, kind=kind: (
+                        e.is_Pow and e.base.func is kind and e.exp.is_Integer and e.exp > 1
                     ),
                     by_other,
                 )

@@ -196,11 +196,11 @@ def _single(dataset: Any, body: Any = None) -> dict[str, Any]:
     data = one_launch(dataset, (*POSED, *LINEAR)).data
     if body is not None:
         instance("body", body, Body, "give a stability.Body")
-    known = data.attrs.get("body")
-    if known != (None if body is None else body.name):
+    named = data.attrs.get("body")
+    if named != (None if body is None else body.name):
         raise ParameterError(
-            f"the dataset is of {known or 'a disk'}; give "
-            + (f"body=, the Body that is called {known}." if known else "no body.")
+            f"the dataset is of {named or 'a disk'}; give "
+            + (f"body=, the Body that is called {named}." if named else "no body.")
         )
     if body is not None:
         _check_numbers(dataset, body)
@@ -220,11 +220,11 @@ def _check_numbers(dataset: xarray.Dataset, body: Body) -> None:
                 f"{name} of the body is {shown(value)}; give the body with the numbers of the one "
                 "launch that is drawn."
             )
-        known = dataset[name].values if name in dataset.variables else np.asarray(value)
-        if known.ndim == 0 and not np.isclose(known, value, rtol=1e-9, atol=0.0).all():
+        stored = dataset[name].values if name in dataset.variables else np.asarray(value)
+        if stored.ndim == 0 and not np.isclose(stored, value, rtol=1e-9, atol=0.0).all():
             raise ParameterError(
                 f"{name} of the body is {float(np.ravel(value)[0]):g} and that of the dataset "
-                f"{float(known):g}; give the body of the dataset."
+                f"{float(stored):g}; give the body of the dataset."
             )
 
 
@@ -280,8 +280,8 @@ def _body_data(motion: dict[str, Any], times: Any, body: Body) -> dict[str, Any]
     `turn` holds quaternions (x, y, z, w) whose signs do not jump.  Centre, contact point and forces
     are along fixed axes.
     """
-    found = placed(motion, body, times)
-    turn = Rotation.from_matrix(found["turn"]).as_quat()
+    pose = placed(motion, body, times)
+    turn = Rotation.from_matrix(pose["turn"]).as_quat()
     jumps = np.sum(turn[1:] * turn[:-1], axis=1) < 0
     turn[1:] *= np.where(np.cumsum(jumps) % 2, -1.0, 1.0)[:, None]
     # x̂ turns with phi: forces are turned into fixed axes before they are interpolated
@@ -289,7 +289,7 @@ def _body_data(motion: dict[str, Any], times: Any, body: Body) -> dict[str, Any]
     across = {"normal_force": motion["normal_force"], "push_x": force.real, "push_y": force.imag}
     series = {n: np.interp(times, motion["time"], v) for n, v in across.items()}
     names = "theta", "centre_x", "centre_y", "contact_x", "contact_y", "time", "phi"
-    series |= {n: found[n] for n in names} | {"centre_z": found["placed"].centre[:, 2]}
+    series |= {n: pose[n] for n in names} | {"centre_z": pose["placed"].centre[:, 2]}
     data: dict[str, Any] = {n: _digits(v, 9) for n, v in series.items()}
     data["turn"] = [_digits(row, 9) for row in turn]
     shape = surface(body)
@@ -297,7 +297,7 @@ def _body_data(motion: dict[str, Any], times: Any, body: Body) -> dict[str, Any]
     rows = {"r": shape.r, "z": shape.z} | normal
     data["shape"] = {n: _digits(v, 6) for n, v in rows.items()}
     data["shape"]["mark"] = shape.mark.astype(int).tolist()
-    return data | {"radius": float(body.length), "size": found["placed"].radius}
+    return data | {"radius": float(body.length), "size": pose["placed"].radius}
 
 
 def _digits(values: Any, digits: int) -> list[float]:
@@ -312,13 +312,13 @@ def inner_radius(dataset: xarray.Dataset) -> float:
 def caption_of(dataset: xarray.Dataset) -> str:
     """The parameters in words, without mass, radius and gravity in a dimensionless motion."""
     plain, law = bool(dataset.attrs.get("dimensionless", 0)), str(dataset.attrs.get("contact", ""))
-    known = _quantities(dataset)
+    quantities = _quantities(dataset)
     shown = []
     for name, value in dataset.coords.items():
         if value.ndim or (plain and name in (*PHYSICAL, "length")):
             continue
         unit, formula = str(value.attrs.get("units", "1")), ""
-        if quantity := known.get(str(name)):
+        if quantity := quantities.get(str(name)):
             unit = quantity.kind.label(dimensionless=plain)
             formula = f" of {quantity.formula}" * bool(quantity.formula)
         shown.append(f"{name} = {float(value):.6g}{behind(unit)}{formula}")
@@ -650,12 +650,12 @@ def resample(motion: dict[str, Any], times: Floats) -> dict[str, Any]:
     dict
         The same series at these times.
     """
-    found = {n: np.interp(times, motion["time"], motion[n]) for n in LINEAR}
+    series = {n: np.interp(times, motion["time"], motion[n]) for n in LINEAR}
     for name, rate in _rates(motion).items():
-        found[name] = CubicHermiteSpline(motion["time"], motion[name], rate)(times)
+        series[name] = CubicHermiteSpline(motion["time"], motion[name], rate)(times)
     # between coarse samples a cubic may overshoot flat, and put the disk under the plane
-    found["theta"] = np.clip(found["theta"], 0.0, math.pi)
-    return found | {"time": times, "radius": motion["radius"]}
+    series["theta"] = np.clip(series["theta"], 0.0, math.pi)
+    return series | {"time": times, "radius": motion["radius"]}
 
 
 def _rates(motion: dict[str, Any]) -> dict[str, Floats]:
@@ -709,7 +709,7 @@ def meridian(body: Body) -> tuple[Floats, Floats, Floats]:
 
 
 @dataclass(frozen=True, eq=False)
-class Surface:
+class DrawnSurface:
     """The closed surface that is drawn: rows along the meridian."""
 
     r: Floats
@@ -722,7 +722,7 @@ class Surface:
     """Coloured points, shape (m, ROUND)."""
 
 
-def surface(body: Body) -> Surface:
+def surface(body: Body) -> DrawnSurface:
     """The surface of a body: the other half where the two are equal, and its flat ends.
 
     Parameters
@@ -748,7 +748,7 @@ def surface(body: Body) -> Surface:
     around = np.arange(ROUND)
     near = np.minimum(around, ROUND - around) <= WEDGE if flat else np.full(ROUND, True)
     upper = theta > (math.pi / 2 if flat else theta[-1] - CAP)
-    return Surface(r, z, theta, upper[:, None] & near)
+    return DrawnSurface(r, z, theta, upper[:, None] & near)
 
 
 def placed(motion: Mapping[str, Floats], body: Body, times: Floats) -> dict[str, Any]:
@@ -764,19 +764,19 @@ def placed(motion: Mapping[str, Floats], body: Body, times: Floats) -> dict[str,
         Times within those of the motion, shape (n,).
     """
     names = "theta", "centre_x", "centre_y", "contact_x", "contact_y"
-    found: dict[str, Any] = {n: np.interp(times, motion["time"], motion[n]) for n in names}
+    series: dict[str, Any] = {n: np.interp(times, motion["time"], motion[n]) for n in names}
     angles = np.stack([motion[n] for n in ("phi", "theta", "psi")], axis=-1)
-    found["turn"] = Slerp(motion["time"], Rotation.from_euler("ZYZ", angles))(times).as_matrix()
-    found["theta"] = np.arccos(np.clip(found["turn"][:, 2, 2], -1.0, 1.0))
-    height = body.length * np.asarray(body.height_at(found["theta"]))
+    series["turn"] = Slerp(motion["time"], Rotation.from_euler("ZYZ", angles))(times).as_matrix()
+    series["theta"] = np.arccos(np.clip(series["turn"][:, 2, 2], -1.0, 1.0))
+    height = body.length * np.asarray(body.height_at(series["theta"]))
     flat = np.zeros_like(times)
     r, z, _ = meridian(body)
-    found["placed"] = Placed(
+    series["placed"] = Placed(
         float(np.hypot(r, z).max()),
-        np.stack([found["centre_x"], found["centre_y"], height], axis=-1),
-        np.stack([found["contact_x"], found["contact_y"], flat], axis=-1),
+        np.stack([series["centre_x"], series["centre_y"], height], axis=-1),
+        np.stack([series["contact_x"], series["contact_y"], flat], axis=-1),
     )
-    return found | {"time": times, "phi": motion["phi"][:1]}
+    return series | {"time": times, "phi": motion["phi"][:1]}
 
 
 class BodyCamera(Camera):

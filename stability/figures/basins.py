@@ -162,9 +162,9 @@ def linear_strip(dataset: xarray.Dataset, x: str) -> Strip | None:
     if LINEAR not in dataset.coords or dataset[LINEAR].dims != (x,):
         return None
     at, codes = dataset[x].values, dataset[LINEAR].values
-    told = dataset[LINEAR].attrs
-    if "zones" in told:
-        changes, zones = (np.atleast_1d(told[n]) for n in ("changes", "zones"))
+    attributes = dataset[LINEAR].attrs
+    if "zones" in attributes:
+        changes, zones = (np.atleast_1d(attributes[n]) for n in ("changes", "zones"))
         at = np.linspace(at[0], at[-1], FINE)
         codes = zones[np.searchsorted(changes, at)]
     else:
@@ -238,14 +238,14 @@ def basins_caption(dataset: xarray.Dataset) -> str:
     'Ends of 6 launches of a disk near spinning under viscous contact, over phi_dot and tilt'
     """
     x, y = _axes_of(dataset)
-    told, present = dataset.attrs, fates(dataset)
-    body = str(told.get("body", ""))
-    what = told.get("system") or f"a{'n' * body.startswith(tuple('aeiou'))} {body}"
-    near = f" near {told['launched_near']}" if "launched_near" in told else ""
-    law = f" under {told['contact']} contact" if "contact" in told else ""
+    attributes, present = dataset.attrs, fates(dataset)
+    body = str(attributes.get("body", ""))
+    what = attributes.get("system") or f"a{'n' * body.startswith(tuple('aeiou'))} {body}"
+    near = f" near {attributes['launched_near']}" if "launched_near" in attributes else ""
+    law = f" under {attributes['contact']} contact" if "contact" in attributes else ""
     rest = (
-        f"  Each runs until its end is proved or until {told['horizon']:g}, at a "
-        f"tolerance of {told['tolerance']:g}{_check_words(told)}."
+        f"  Each runs until its end is proved or until {attributes['horizon']:g}, at a "
+        f"tolerance of {attributes['tolerance']:g}{_check_words(attributes)}."
     )
     if is_sample(dataset):
         return sample_caption(dataset, x, y, f"{what}{near}{law}") + rest
@@ -277,23 +277,23 @@ def _strip_words(dataset: xarray.Dataset, x: str) -> str:
     return f"  Strip: {dataset[LINEAR].attrs['long_name']}, proved."
 
 
-def _check_words(told: Mapping[str, Any]) -> str:
-    return ", and once more at a looser one to estimate its error" * bool(told.get("checked"))
+def _check_words(attributes: Mapping[str, Any]) -> str:
+    return ", and once more at a looser one to estimate its error" * bool(attributes.get("checked"))
 
 
 def _quantities(dataset: xarray.Dataset) -> Mapping[str, Quantity]:
     """Quantities by name; none of a user's system, whose `theta` may be anything."""
-    told = dataset.attrs
-    if "system" in told:
+    attributes = dataset.attrs
+    if "system" in attributes:
         return {}
-    law = MOTION_LAWS.get(str(told["contact"]))
-    known = dict(disk_quantities(law))
-    body = str(told.get("body", "disk"))
+    law = MOTION_LAWS.get(str(attributes["contact"]))
+    quantities = dict(disk_quantities(law))
+    body = str(attributes.get("body", "disk"))
     if body != "disk":
-        own = {*json.loads(told.get("parameters", "{}")), *map(str, dataset.coords)}
-        shape = own - set(known) - {*MOMENTS, *SCALES, *TURN}
-        known |= round_quantities(body, law, sorted(shape), sorted({*own, *TURN}))
-    return known | {"tilt": Quantity("tilt", "", "tilt from the steady motion", Kind.ANGLE)}
+        numbers = {*json.loads(attributes.get("parameters", "{}")), *map(str, dataset.coords)}
+        shape = numbers - set(quantities) - {*MOMENTS, *SCALES, *TURN}
+        quantities |= round_quantities(body, law, sorted(shape), sorted({*numbers, *TURN}))
+    return quantities | {"tilt": Quantity("tilt", "", "tilt from the steady motion", Kind.ANGLE)}
 
 
 def label(dataset: xarray.Dataset, name: str) -> str:
@@ -328,9 +328,9 @@ def member_label(dataset: xarray.Dataset, family: str, room: float) -> str:
     record = FAMILIES.get(family.split(" ")[0])
     if record is None or "system" in dataset.attrs:
         return family
-    own = _quantities(dataset)[record.at[0]]
-    unit = in_latex(own.kind.label(dimensionless=bool(dataset.attrs.get("dimensionless", 0))))
-    bare = own.typeset + f" [{unit}]" * bool(unit)
+    quantity = _quantities(dataset)[record.at[0]]
+    unit = in_latex(quantity.kind.label(dimensionless=bool(dataset.attrs.get("dimensionless", 0))))
+    bare = quantity.typeset + f" [{unit}]" * bool(unit)
     whole = f"{family} {bare}"
     return whole if wide(whole) <= room else bare
 
@@ -343,22 +343,22 @@ def fixed_numbers(dataset: xarray.Dataset) -> str:
     dataset
         What `basins` returns.
     """
-    told = dataset.attrs
+    attributes = dataset.attrs
     held = {str(n): float(c) for n, c in dataset.coords.items() if c.ndim == 0}
-    values = json.loads(told.get("parameters", "{}")) | held
+    values = json.loads(attributes.get("parameters", "{}")) | held
     units = {n: unit_of(dataset[n].attrs) for n in held}
-    plain = bool(told.get("dimensionless", 0))
-    known = _quantities(dataset)
-    law = str(told.get("contact", ""))
-    text = fixed(values, known, units, law=law, dimensionless=plain)
-    if str(told.get("body", "disk")) != "disk":
-        text = f"{told['body']}, {text}"
+    plain = bool(attributes.get("dimensionless", 0))
+    quantities = _quantities(dataset)
+    law = str(attributes.get("contact", ""))
+    text = fixed(values, quantities, units, law=law, dimensionless=plain)
+    if str(attributes.get("body", "disk")) != "disk":
+        text = f"{attributes['body']}, {text}"
     unit = unit_of(dataset.end_time.attrs)
-    if known:
-        unit = known["time"].kind.label(dimensionless=plain)
+    if quantities:
+        unit = quantities["time"].kind.label(dimensionless=plain)
     # a root in mathematics would be taller than a line of the note
-    last = f"$t$ = {float(told['horizon']):g} {readable(unit)}".removesuffix(" 1")
-    near = f"launched near {told['launched_near']}, " if "launched_near" in told else ""
+    last = f"$t$ = {float(attributes['horizon']):g} {readable(unit)}".removesuffix(" 1")
+    near = f"launched near {attributes['launched_near']}, " if "launched_near" in attributes else ""
     return f"{near}{text}, until {last}" if text else f"{near}until {last}"
 
 
@@ -415,15 +415,15 @@ def outline(across: Any, along: Any) -> list[list[Point]]:
     [[(0.0, 0.0), (0.0, 1.0)], [(2.0, 0.0), (2.0, 1.0)], \
 [(0.0, 0.0), (2.0, 0.0)], [(0.0, 1.0), (2.0, 1.0)]]
     """
-    found: list[list[Point]] = []
+    lines: list[list[Point]] = []
     for way, (sides_at, free) in enumerate(((across, along), (along, across))):
         sides = Counter(
             (float(place), float(low), float(high))
             for places, (low, high) in zip(sides_at, free, strict=True)
             for place in places
         )
-        found += _joined((side for side, count in sides.items() if count == 1), turned=way == 1)
-    return found
+        lines += _joined((side for side, count in sides.items() if count == 1), turned=way == 1)
+    return lines
 
 
 def _joined(sides: Iterable[tuple[float, float, float]], *, turned: bool) -> list[list[Point]]:
@@ -452,26 +452,26 @@ def sensitive_words(dataset: xarray.Dataset) -> str:
         Empty where the dataset has no refined borders, or these are too coarse for both.
     """
     marked, open_ = (_marked(dataset, flag) for flag in (1, 2))
-    told, found = dataset.attrs, ""
+    attributes, sentences = dataset.attrs, ""
     if marked.any():
-        found = (
+        sentences = (
             f"  Dashes: {int(marked.sum())} of {marked.size} blocks along the borders are "
             "sensitive: there uncertainty falls more slowly than the width."
         )
     elif marked.size:
-        found = f"  None of the {marked.size} blocks along the borders is sensitive."
+        sentences = f"  None of the {marked.size} blocks along the borders is sensitive."
     if open_.any():
-        found += (
+        sentences += (
             f"  {int(open_.sum())} blocks are open: a strip of launches that still move lies "
             "between two ends, and a longer horizon decides."
         )
-    if "border_exponent" in told:
-        low, high = told["border_exponent_interval"]
-        found += (
-            f"  Uncertainty exponent of all borders: {told['border_exponent']:.2f} "
-            f"[{low:.2f}, {high:.2f}], {100 * told['border_exponent_level']:g} % confidence."
+    if "border_exponent" in attributes:
+        low, high = attributes["border_exponent_interval"]
+        sentences += (
+            f"  Uncertainty exponent of all borders: {attributes['border_exponent']:.2f} "
+            f"[{low:.2f}, {high:.2f}], {100 * attributes['border_exponent_level']:g} % confidence."
         )
-    return found
+    return sentences
 
 
 POINT = "border_point"
@@ -548,10 +548,10 @@ def cell_edges(
     []
     """
     across, along = edges_of(x), edges_of(y)
-    found: list[list[Point]] = []
+    lines: list[list[Point]] = []
     for way, (grid, at, free) in enumerate(((kinds, across, along), (kinds.T, along, across))):
         first, second = grid[:, :-1], grid[:, 1:]
         rows, columns = np.nonzero((first != second) & (first >= 0) & (second >= 0))
         ends = (at[columns + 1], free[rows], free[rows + 1])
-        found += _joined(zip(*(v.tolist() for v in ends), strict=True), turned=way == 1)
-    return found
+        lines += _joined(zip(*(v.tolist() for v in ends), strict=True), turned=way == 1)
+    return lines

@@ -171,15 +171,15 @@ def _bar(
 
 def _fixed(dataset: xarray.Dataset) -> str:
     """The parameters that the axes do not show."""
-    told, known = dataset.attrs, _quantities(dataset)
-    at = {"at": str(told["at"])} if told.get("contact") else {}
-    values, units = (json.loads(told.get(n, "{}")) for n in ("parameters", "parameter_units"))
+    attributes, quantities = dataset.attrs, _quantities(dataset)
+    at = {"at": str(attributes["at"])} if attributes.get("contact") else {}
+    values, units = (json.loads(attributes.get(n, "{}")) for n in ("parameters", "parameter_units"))
     return fixed(
         {at.get(n, n): v for n, v in values.items()},
-        known,
+        quantities,
         units,
-        law=str(told.get("contact", _body(dataset))),
-        dimensionless=bool(told.get("dimensionless", 0)),
+        law=str(attributes.get("contact", _body(dataset))),
+        dimensionless=bool(attributes.get("dimensionless", 0)),
     )
 
 
@@ -323,13 +323,13 @@ def _handles(axes: Axes, dataset: xarray.Dataset, nameless: set[Verdict]) -> lis
 
 def _without_single_points(kind: NDArray[Any], curve: NDArray[Any]) -> NDArray[Any]:
     """Kinds of points; a single one, such as the static end of flutter, has its neighbour's."""
-    own, runs = kind.copy(), _runs(kind, curve)
+    kinds, runs = kind.copy(), _runs(kind, curve)
     long = {i for start, stop in runs if stop > start + 1 for i in range(start, stop)}
     for start, stop in runs:
         near = [i for i in (stop, start - 1) if i in long and curve[i] == curve[start]]
         if stop == start + 1 and near:
-            own[start] = kind[near[0]]
-    return own
+            kinds[start] = kind[near[0]]
+    return kinds
 
 
 def _runs(kind: NDArray[Any], curve: NDArray[Any]) -> list[tuple[int, int]]:
@@ -437,20 +437,20 @@ LABELS = {
 """Word of each kind in the legend."""
 
 
-def _mark_points(axes: Axes, found: CodimensionTwo, known: tuple[str, str]) -> None:
+def _mark_points(axes: Axes, marked: CodimensionTwo, swept: tuple[str, str]) -> None:
     """Mark points of codimension two, and draw their curves.
 
     Markers are open where other eigenvalues are unstable.
     """
-    names = tuple(name for name, _, _ in found.axes)
-    if sorted(names) != sorted(known):
+    names = tuple(name for name, _, _ in marked.axes)
+    if sorted(names) != sorted(swept):
         raise ParameterError(
-            f"points has the axes {', '.join(names)}, and the map {', '.join(known)}; give points "
+            f"points has the axes {', '.join(names)}, and the map {', '.join(swept)}; give points "
             "of the same two axes."
         )
-    swapped = names != known
+    swapped = names != swept
     seen: set[PointKind | Crossing] = set()
-    for curve in found.curves:
+    for curve in marked.curves:
         along = (curve.y, curve.x) if swapped else (curve.x, curve.y)
         label = "curve of zeros" if curve.crossing is Crossing.STATIC else "curve of pairs"
         axes.plot(
@@ -462,7 +462,7 @@ def _mark_points(axes: Axes, found: CodimensionTwo, known: tuple[str, str]) -> N
             label=None if curve.crossing in seen else label,
         )
         seen.add(curve.crossing)
-    for p in found:
+    for p in marked:
         x, y = (p.y, p.x) if swapped else (p.x, p.y)
         filled = p.others != "unstable"
         axes.plot(

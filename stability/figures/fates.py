@@ -108,7 +108,7 @@ def fates(dataset: xarray.Dataset) -> list[Fate]:
     """
     outcome, family = dataset.outcome.values, dataset.family.values
     member = dataset.member.values
-    found = []
+    ends = []
     words = str(dataset.family.attrs["flag_meanings"]).split()
     settled = outcome == Outcome.SETTLED.code
     for code, name in enumerate(words):
@@ -116,8 +116,8 @@ def fates(dataset: xarray.Dataset) -> list[Fate]:
         if not where.any():
             continue
         colours, texture, way = RAMPS[max(code - 1, 0) % len(RAMPS)]
-        own = member[where & np.isfinite(member)]
-        found.append(
+        values = member[where & np.isfinite(member)]
+        ends.append(
             Fate(
                 f"settled: {name.replace('_', ' ')}",
                 where,
@@ -125,22 +125,22 @@ def fates(dataset: xarray.Dataset) -> list[Fate]:
                 texture,
                 way,
                 name.replace("_", " "),
-                (float(own.min()), float(own.max())) if own.size else None,
+                (float(values.min()), float(values.max())) if values.size else None,
             )
         )
-    for one, (colour, texture, way) in PLAIN.items():
-        where = outcome == one.code
+    for end, (colour, texture, way) in PLAIN.items():
+        where = outcome == end.code
         if where.any():
-            found.append(Fate(one.word, where, (colour, colour), texture, way))
-    return found
+            ends.append(Fate(end.word, where, (colour, colour), texture, way))
+    return ends
 
 
 def kinds(dataset: xarray.Dataset) -> NDArray[np.int16]:
     """A number for each launch, different where fates differ; -1 where nothing is computed yet."""
-    found = np.full(dataset.outcome.shape, -1, dtype=np.int16)
+    numbers = np.full(dataset.outcome.shape, -1, dtype=np.int16)
     for i, fate in enumerate(fates(dataset)):
-        found[fate.where] = i
-    return found
+        numbers[fate.where] = i
+    return numbers
 
 
 LAUNCH = "launch"
@@ -214,19 +214,21 @@ def plane_of(dataset: xarray.Dataset, x: str, y: str) -> tuple[str, str]:
             "then draw it."
         )
     names = [*varied(dataset), LATEST]
-    own = at_name(str(dataset.attrs.get("launched_near", "")).split(" ")[0])
-    found: list[str] = []
-    for given, which in ((x, "x"), (y, "y")):
-        name = own if given == "at" else given
+    launched = at_name(str(dataset.attrs.get("launched_near", "")).split(" ")[0])
+    chosen: list[str] = []
+    for asked, which in ((x, "x"), (y, "y")):
+        name = launched if asked == "at" else asked
         if not name:
             other = x if which == "y" else y
-            name = next(n for n in names if n not in (*found, own if other == "at" else other))
+            name = next(
+                n for n in names if n not in (*chosen, launched if other == "at" else other)
+            )
         elif name not in names:
-            raise NameUnknownError(f"{which} is {shown(given)}; give one of {', '.join(names)}.")
-        found.append(name)
-    if found[0] == found[1]:
-        raise ParameterError(f"x and y are both {found[0]}; give two names.")
-    return found[0], found[1]
+            raise NameUnknownError(f"{which} is {shown(asked)}; give one of {', '.join(names)}.")
+        chosen.append(name)
+    if chosen[0] == chosen[1]:
+        raise ParameterError(f"x and y are both {chosen[0]}; give two names.")
+    return chosen[0], chosen[1]
 
 
 def draw_sample(

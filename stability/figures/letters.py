@@ -107,16 +107,16 @@ def _half(text: str) -> tuple[float, float]:
 
 def _drawn(axes: Axes, scale: float) -> NDArray[Any]:
     """Points along all lines of a panel and about its markers [pt]."""
-    found = [np.zeros((0, 2))]
+    spots = [np.zeros((0, 2))]
     about = np.array([(1.6, 0.0), (-1.6, 0.0), (0.0, 1.6), (0.0, -1.6)])
     for line in axes.lines:
         corners = line.get_transform().transform(line.get_xydata()) * scale
         if line.get_marker() != "None":
-            found.append((corners[:, None] + about).reshape(-1, 2))
+            spots.append((corners[:, None] + about).reshape(-1, 2))
         for a, b in zip(corners[:-1], corners[1:], strict=True):
             count = int(np.hypot(*(b - a)) / 1.5) + 2 if np.isfinite([a, b]).all() else 0
-            found.append(a + np.linspace(0, 1, count)[:, None] * (b - a))
-    return np.concatenate(found)
+            spots.append(a + np.linspace(0, 1, count)[:, None] * (b - a))
+    return np.concatenate(spots)
 
 
 def _apart(
@@ -167,8 +167,8 @@ def _crossings(start: Any, ends: Any, starts: Any, stops: Any) -> Any:
     def side(a: Any, b: Any, c: Any) -> Any:
         return (b - a)[..., 0] * (c - a)[..., 1] - (b - a)[..., 1] * (c - a)[..., 0]
 
-    known = np.isfinite(stops).all(axis=-1)
-    a, b, c, d = start, ends[:, None], starts[known], stops[known]
+    drawn = np.isfinite(stops).all(axis=-1)
+    a, b, c, d = start, ends[:, None], starts[drawn], stops[drawn]
     apart = side(a, b, c) * side(a, b, d) < 0
     return (apart & (side(c, d, a + 0 * b) * side(c, d, b) < 0)).sum(axis=-1)
 
@@ -178,8 +178,8 @@ def _struck(mine: tuple[Any, Any, Any], other: tuple[Any, Any, Any]) -> NDArray[
 
     Both are given as marks, centres of texts, and halves of their widths and heights.
     """
-    known = np.isfinite(other[1]).all(axis=-1)
-    starts, spots, halves = (part[known] for part in other)
+    drawn = np.isfinite(other[1]).all(axis=-1)
+    starts, spots, halves = (part[drawn] for part in other)
     start, tried, half = mine
     ours, theirs = _leading(start, tried, half), _leading(starts, spots, halves)
     over = (np.abs(ours[:, :, None] - spots) < halves).all(axis=-1).any(axis=1).sum(axis=-1)

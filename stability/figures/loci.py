@@ -123,8 +123,8 @@ def plot_locus(
     title = checked_title(title)
     instance("spectrum", spectrum, Spectrum, "give what spectrum returns, or plot_map for a map")
     if spectrum.codes.size == 1:
-        for word, known in (("thresholds", thresholds), ("zeros", zeros)):
-            if len(known):
+        for word, places in (("thresholds", thresholds), ("zeros", zeros)):
+            if len(places):
                 raise ParameterError(
                     f"{word} belongs to a spectrum along a quantity; leave it out."
                 )
@@ -194,9 +194,9 @@ def _entries(top: Axes) -> list[Any]:
 def _axis(spectrum: Spectrum, name: str) -> str:
     """Label of the swept quantity, with the unit of its system."""
     system, meaning = spectrum.family.system, spectrum.family.meaning(name)
-    known, unit = system.quantities.get(meaning), system.units.get(meaning, "1")
-    unit = known.kind.label(dimensionless=spectrum.dimensionless) if known else unit
-    return axis_label(known, meaning, unit or "1")
+    quantity, unit = system.quantities.get(meaning), system.units.get(meaning, "1")
+    unit = quantity.kind.label(dimensionless=spectrum.dimensionless) if quantity else unit
+    return axis_label(quantity, meaning, unit or "1")
 
 
 def _growth(
@@ -206,7 +206,7 @@ def _growth(
     radius: Floats,
     groups: Groups,
     names: Sequence[str],
-    known: Sequence[float],
+    exact: Sequence[float],
 ) -> None:
     """Draw the real parts; growth is shaded, crossings are marked, a number is on each mode."""
     axes.axhline(0, color="0.3", linewidth=0.6)
@@ -228,11 +228,11 @@ def _growth(
     ):
         look: dict[str, Any] = {"ha": "left", "rotation": 90, "color": colour}
         write(axes, 1.015, height, word, transform=axes.transAxes, **look)
-    found = crossings(at, values.real, radius, known)
-    if found:
+    zeros = crossings(at, values.real, radius, exact)
+    if zeros:
         axes.plot(
-            found,
-            np.zeros(len(found)),
+            zeros,
+            np.zeros(len(zeros)),
             "o",
             markersize=4,
             markerfacecolor="white",
@@ -285,7 +285,7 @@ def _numbers(axes: Axes, at: Floats, values: Floats, groups: Groups) -> None:
 
     curves = [[place(c) for c in columns] for columns in groups]
     written: list[Floats] = []
-    for index, own in enumerate(curves):
+    for index, mine in enumerate(curves):
         others = [p for j, c in enumerate(curves) if j != index for p in c]
         # from the middle outward, since the first of equal spots is taken
         picked = [
@@ -293,7 +293,7 @@ def _numbers(axes: Axes, at: Floats, values: Floats, groups: Groups) -> None:
             for off in np.linspace(0, 0.44, 23)
             for side in (1, -1)
         ]
-        tries = [p[i] for p in own for i in picked if np.isfinite(p[i]).all()]
+        tries = [p[i] for p in mine for i in picked if np.isfinite(p[i]).all()]
         if not tries:
             continue
         clear = [_clearance(spot, others, written) for spot in tries]

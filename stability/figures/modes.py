@@ -40,9 +40,9 @@ def swept(spectrum: Spectrum) -> tuple[str, Floats]:
         raise ParameterError(
             f"the spectrum has shape {shape}; give a single one, or one along one axis."
         )
-    given = spectrum.values or {spectrum.family.at[0]: np.asarray(spectrum.at)[:, 0]}
+    quantities = spectrum.values or {spectrum.family.at[0]: np.asarray(spectrum.at)[:, 0]}
     solved = spectrum.family.trimmed
-    several = {n: v for n, v in given.items() if np.size(v) > 1 and n not in solved}
+    several = {n: v for n, v in quantities.items() if np.size(v) > 1 and n not in solved}
     along = {n: np.asarray(v, dtype=float) for n, v in several.items()}
     moved = {n: np.broadcast_to(v, shape) for n, v in along.items() if np.ptp(v) > 0}
     if len(moved) != 1:
@@ -167,12 +167,14 @@ def mode_names(
         return [frozenset(lead[:n]) for lead, n in zip(leads, count, strict=True)]
 
     for _ in states if apart else ():
-        found = names()
-        twice = [i for i, name in enumerate(found) if found.count(name) > 1]
+        labels = names()
+        twice = [i for i, name in enumerate(labels) if labels.count(name) > 1]
         count = [n + (i in twice and n < len(states)) for i, n in enumerate(count)]
-    known = spectrum.family.system.quantities
+    quantities = spectrum.family.system.quantities
     return [
-        ", ".join(known[s].typeset if s in known else plain_text(s) for s in states if s in name)
+        ", ".join(
+            quantities[s].typeset if s in quantities else plain_text(s) for s in states if s in name
+        )
         for name in names()
     ]
 
@@ -197,25 +199,25 @@ def changes_of_sign(at: Floats, real: Floats, radius: Floats) -> list[tuple[floa
     list of (low, high, value)
         The two halves of a pair both give one.
     """
-    found = []
+    changes = []
     for values, signs in zip(real.T, sure_signs(real, radius).T, strict=True):
-        known = np.flatnonzero(signs)
-        for i, j in zip(known[:-1], known[1:], strict=True):
+        sure = np.flatnonzero(signs)
+        for i, j in zip(sure[:-1], sure[1:], strict=True):
             if signs[i] != signs[j] and j - i <= 2:  # a longer stretch on the axis is no crossing
                 share = values[i] / (values[i] - values[j])
                 low, high = sorted((float(at[i]), float(at[j])))
-                found.append((low, high, float(at[i] + share * (at[j] - at[i]))))
-    return found
+                changes.append((low, high, float(at[i] + share * (at[j] - at[i]))))
+    return changes
 
 
-def crossings(at: Floats, real: Floats, radius: Floats, known: Sequence[float] = ()) -> list[float]:
+def crossings(at: Floats, real: Floats, radius: Floats, zeros: Sequence[float] = ()) -> list[float]:
     """Places where a real part changes its sign, of those that are known; no other is marked.
 
     Parameters
     ----------
     at, real, radius
         As for `changes_of_sign`.
-    known
+    zeros
         Zeros of growth rates, as `boundaries` proves them.  Of several between the same points
         that nearest to a straight line is taken.
 
@@ -230,14 +232,14 @@ def crossings(at: Floats, real: Floats, radius: Floats, known: Sequence[float] =
     >>> crossings(at, real, np.zeros((2, 2)), [0.3]), crossings(at, real, np.zeros((2, 2)))
     ([0.3], [])
     """
-    exact, found = np.asarray(known, dtype=float), []
+    exact, places = np.asarray(zeros, dtype=float), []
     for low, high, value in changes_of_sign(at, real, radius):
         near = exact[(low <= exact) & (exact <= high)]
         if len(near):
-            found.append(float(near[np.abs(near - value).argmin()]))
+            places.append(float(near[np.abs(near - value).argmin()]))
     close = 1e-6 * float(np.ptp(at))
-    found.sort()
-    return [v for i, v in enumerate(found) if not i or v - found[i - 1] > close]
+    places.sort()
+    return [v for i, v in enumerate(places) if not i or v - places[i - 1] > close]
 
 
 def linear_width(real: Floats, radius: Floats) -> float:

@@ -111,14 +111,14 @@ def plot_motion(
     (6, 7.0)
     """
     if show not in (None, *COUNTS):
-        known = ", ".join(COUNTS)
-        raise ParameterError(f"show is {shown(show)}; give one of {known}, or leave it out.")
+        options = ", ".join(COUNTS)
+        raise ParameterError(f"show is {shown(show)}; give one of {options}, or leave it out.")
     if ax is not None and show is None:
         raise ParameterError(f"ax takes one part; give show as one of {', '.join(COUNTS)}.")
-    own = system_states(dataset)
-    names = _asked(dataset, series) or own
-    motion = one_launch(dataset, _needed(dataset, own, show))
-    parts = [show] if show else _parts(dataset, own)
+    states = system_states(dataset)
+    names = _asked(dataset, series) or states
+    motion = one_launch(dataset, _needed(dataset, states, show))
+    parts = [show] if show else _parts(dataset, states)
     across = PAGE if len(parts) > 1 else COLUMN
     if width is not None and ax is None:
         across = checked_size("width", width, 2.0, "inches")
@@ -151,11 +151,11 @@ def _asked(dataset: xarray.Dataset, series: Sequence[str]) -> tuple[str, ...]:
     """The series that are asked for, which the dataset has over time."""
     if isinstance(series, str) or not isinstance(series, Sequence):
         raise ParameterError(f"series is {shown(series)}; give a list of names.")
-    known = [str(n) for n, v in getattr(dataset, "data_vars", {}).items() if "time" in v.dims]
+    names = [str(n) for n, v in getattr(dataset, "data_vars", {}).items() if "time" in v.dims]
     for name in series:
-        if name not in known:
+        if name not in names:
             raise NameUnknownError(
-                f"series names {shown(name)}; the dataset has {listed(known)} over time."
+                f"series names {shown(name)}; the dataset has {listed(names)} over time."
             )
     return tuple(series)
 
@@ -563,8 +563,8 @@ def caption(dataset: xarray.Dataset) -> str:
         whole = "energy" if names else "initial energy"
         audit = f"; the energy audit closes to {float(data.energy_error):.1g} of the {whole}"
     if names:
-        given = ", ".join(_number(data, n) for n in json.loads(data.attrs.get("parameters", "{}")))
-        moving = f"{data.attrs['system']}{f' ({given})' if given else ''}"
+        held = ", ".join(_number(data, n) for n in json.loads(data.attrs.get("parameters", "{}")))
+        moving = f"{data.attrs['system']}{f' ({held})' if held else ''}"
         second = "" if (word := data.time.attrs["units"]) == "1" else f" {word}"
     else:
         numbers = [
@@ -613,17 +613,17 @@ def _quantities(dataset: xarray.Dataset) -> Mapping[str, Quantity]:
 
     The number of a launch is none of them.
     """
-    known = quantities_of(SYSTEM + str(dataset.attrs.get("contact", "")))
+    quantities = quantities_of(SYSTEM + str(dataset.attrs.get("contact", "")))
     if "body" not in dataset.attrs:
-        return known
-    own = {
+        return quantities
+    added = {
         str(n): Quantity(str(n), str(n), str(n), Kind.NUMBER)
         for n in dataset.coords
-        if n not in known and n not in ("time", "number", "length", *_resistances(dataset))
+        if n not in quantities and n not in ("time", "number", "length", *_resistances(dataset))
     }
     if not dataset.attrs.get("dimensionless", 0):
-        own |= {"length": Quantity("length", "L", "length", Kind.LENGTH)}
-    return own | dict(known)
+        added |= {"length": Quantity("length", "L", "length", Kind.LENGTH)}
+    return added | dict(quantities)
 
 
 def tolerance_of(dataset: xarray.Dataset) -> float:
@@ -638,11 +638,13 @@ def fixed_of(dataset: xarray.Dataset) -> str:
         values = {n: dataset[n].values.flat[0] for n in names if n in dataset}
         return fixed(values, {}, {n: str(dataset[n].attrs.get("units", "1")) for n in values})
     law = str(dataset.attrs.get("contact", ""))
-    known = _quantities(dataset)
-    values = {n: dataset[n].item() for n in known if n in dataset.coords and not dataset[n].ndim}
+    quantities = _quantities(dataset)
+    values = {
+        n: dataset[n].item() for n in quantities if n in dataset.coords and not dataset[n].ndim
+    }
     values.pop("time", None)
     plain = bool(dataset.attrs.get("dimensionless", 0))
-    lines = [fixed(values, known, {}, law=law, dimensionless=plain)]
+    lines = [fixed(values, quantities, {}, law=law, dimensionless=plain)]
     for name, (words, value, unit) in _resistances(dataset).items():
         shown_unit = "" if unit == "1" else f" {in_latex(unit)}"
         lines.append(f"{words} {GREEK.get(name, plain_text(name))} = {value:.5g}{shown_unit}")

@@ -107,43 +107,52 @@ def scene_caption(dataset: xarray.Dataset) -> str:
         If the dataset is no chart of a scene.
     """
     _check(dataset)
-    told, unit = dataset.attrs, dataset.attrs["time_unit"]
-    given, start = (
-        ", ".join(f"{n} = {v:.4g}" for n, v in json.loads(told[key]).items() if v)
+    attrs, unit = dataset.attrs, dataset.attrs["time_unit"]
+    held, start = (
+        ", ".join(f"{n} = {v:.4g}" for n, v in json.loads(attrs[key]).items() if v)
         for key in ("parameters", "start")
     )
-    horizon = f"{told['horizon']:g} {'' if unit == '1' else unit}".rstrip()
-    given += ", SI units" if unit == "s" else ""
+    horizon = f"{attrs['horizon']:g} {'' if unit == '1' else unit}".rstrip()
+    held += ", SI units" if unit == "s" else ""
     parts = [
-        f"Models of the motion by the law {told['law']} ({given}), from {start or 'rest'}, horizon "
+        f"Models of the motion by the law {attrs['law']} ({held}), from {start or 'rest'}, horizon "
         f"{horizon}, tolerance {float(dataset.tolerance):g}.",
         f"Time: the least of {dataset.sizes['repeat']} or fewer repeats. Error: the "
-        f"{dataset.true_error.attrs['long_name']}; the truth is {told['truth']}, with an error of "
+        f"{dataset.true_error.attrs['long_name']}; the truth is {attrs['truth']}, with an error of "
         f"about {float(dataset.truth_error):.1g}.",
     ]
     if np.isfinite(dataset.spread):
-        parts.append(f"Inputs are uncertain by {told['uncertain']}.")
+        parts.append(f"Inputs are uncertain by {attrs['uncertain']}.")
     ends = _named(dataset, np.isinf(dataset.true_error.values))
     if ends:
         parts.append(f"They end in another way: {', '.join(ends)}.")
     out = _named(dataset, np.isnan(dataset.true_error.values))
     if out:
         parts.append(f"Without an answer here: {', '.join(out)}.")
-    parts.append(f"Stability {told['stability_version']}, {told['created'][:10]}.")
+    parts.append(f"Stability {attrs['stability_version']}, {attrs['created'][:10]}.")
     return " ".join(parts)
 
 
 def _note(dataset: xarray.Dataset) -> list[str]:
     """What is fixed in a chart, where it starts, and which models have no mark."""
-    told, plain = dataset.attrs, dataset.attrs["time_unit"] == "1"
-    law, start = str(told["law"]), json.loads(told["start"])
-    known = quantities_of(SYSTEM + law) if told["title"].startswith(OF_DISK) else {}
-    given = fixed(
-        json.loads(told["parameters"]), known, {}, dimensionless=plain, law=law if known else ""
+    attributes, plain = dataset.attrs, dataset.attrs["time_unit"] == "1"
+    law, start = str(attributes["law"]), json.loads(attributes["start"])
+    quantities = quantities_of(SYSTEM + law) if attributes["title"].startswith(OF_DISK) else {}
+    parameters = fixed(
+        json.loads(attributes["parameters"]),
+        quantities,
+        {},
+        dimensionless=plain,
+        law=law if quantities else "",
     )
-    moving = fixed({n: v for n, v in start.items() if v}, known, {}, dimensionless=plain)
-    last = fixed({"time": told["horizon"]}, known, {"time": told["time_unit"]}, dimensionless=plain)
-    lines = [given or law, f"start: {moving or 'rest'}, horizon {last.partition(' = ')[2]}"]
+    moving = fixed({n: v for n, v in start.items() if v}, quantities, {}, dimensionless=plain)
+    last = fixed(
+        {"time": attributes["horizon"]},
+        quantities,
+        {"time": attributes["time_unit"]},
+        dimensionless=plain,
+    )
+    lines = [parameters or law, f"start: {moving or 'rest'}, horizon {last.partition(' = ')[2]}"]
     for words, where in (("end in another way", np.isinf), ("no answer", np.isnan)):
         if names := _named(dataset, where(dataset.true_error.values)):
             lines.append(f"{words}: {', '.join(names)}")
@@ -156,16 +165,16 @@ OF_DISK = "models of motion of a disk, "
 
 def _named(dataset: xarray.Dataset, where: Any) -> list[str]:
     """Labels of some models."""
-    return [_label(one) for one in _rows(dataset, where)]
+    return [_label(row) for row in _rows(dataset, where)]
 
 
 def _rows(dataset: xarray.Dataset, where: Any) -> list[Any]:
     return [dataset.isel(model=i) for i in np.flatnonzero(where)]
 
 
-def _label(one: xarray.Dataset) -> str:
+def _label(row: xarray.Dataset) -> str:
     """Name of a model in the figure."""
-    name, kind = str(one.model.values), str(one.kind.values)
+    name, kind = str(row.model.values), str(row.kind.values)
     if kind == "creep" and name == "rough":
         return "rough, creep-0"
     law, comma, rest = name.partition(", mu = ")
@@ -194,9 +203,9 @@ def _limits(axes: Axes, dataset: xarray.Dataset) -> None:
 
 def _spots(dataset: xarray.Dataset) -> tuple[Any, Any]:
     """Times and errors of the models that have a mark."""
-    known = np.isfinite(dataset.true_error.values) & np.isfinite(dataset.cost.values)
-    errors = np.maximum(dataset.true_error.values[known], LOWEST)
-    return dataset.cost.values[known], errors
+    drawn = np.isfinite(dataset.true_error.values) & np.isfinite(dataset.cost.values)
+    errors = np.maximum(dataset.true_error.values[drawn], LOWEST)
+    return dataset.cost.values[drawn], errors
 
 
 def _lines(axes: Axes, dataset: xarray.Dataset) -> None:
@@ -246,11 +255,11 @@ def _marks(axes: Axes, dataset: xarray.Dataset) -> None:
         zorder=2,
     )
     written = []
-    for one in _rows(dataset, finite):
-        x, y = float(one.cost), max(float(one.true_error), LOWEST)
-        look = LOOKS[str(one.kind.values)]
-        text = _label(one)
-        if bool(one.chosen):
+    for row in _rows(dataset, finite):
+        x, y = float(row.cost), max(float(row.true_error), LOWEST)
+        look = LOOKS[str(row.kind.values)]
+        text = _label(row)
+        if bool(row.chosen):
             axes.plot([x, float(dataset.answer_cost)], [y, y], zorder=2.5, markevery=[1], **WHOLE)
             axes.plot([x], [y], linestyle="", zorder=4, **RING)
             text += ", chosen"
@@ -263,11 +272,11 @@ def _handles(dataset: xarray.Dataset) -> list[Any]:
     """The key: kinds that have a mark, the ring, the time of the answer, the band."""
     finite = np.isfinite(dataset.true_error.values)
     there = set(dataset.kind.values[finite].tolist())
-    found: list[Any] = [
+    handles: list[Any] = [
         entry(kind, linestyle="", mew=1.0, **look) for kind, look in LOOKS.items() if kind in there
     ]
-    found.append(entry("chosen for the answer", linestyle="", **RING | {"ms": 7.5}))
-    found.append(Line2D([0], [0], label="time of the whole answer", **WHOLE))
+    handles.append(entry("chosen for the answer", linestyle="", **RING | {"ms": 7.5}))
+    handles.append(Line2D([0], [0], label="time of the whole answer", **WHOLE))
     if np.isfinite(dataset.spread):
-        found.append(Patch(facecolor=BAND, alpha=0.28, label="below the spread by inputs"))
-    return found
+        handles.append(Patch(facecolor=BAND, alpha=0.28, label="below the spread by inputs"))
+    return handles

@@ -182,11 +182,11 @@ def colour_bar(figure: Any, mesh: Any, axes: Any, label: str, *, hatched: bool) 
     norm = mesh.norm
     alone = axes[0] if len(axes) == 1 else axes  # the room of one panel is known to every layout
     bar = figure.colorbar(mesh, ax=alone, pad=0.02, aspect=32, fraction=0.05)
-    own = isinstance(figure, StyledFigure)  # a user's panel may be low
-    bar.set_label(label if own else label.replace(" max ", "\nmax "))
+    styled = isinstance(figure, StyledFigure)  # a user's panel may be low
+    bar.set_label(label if styled else label.replace(" max ", "\nmax "))
     panel = np.ravel(axes)[0]
     length: float = panel.get_figure(root=True).get_figheight() * 72 * 0.7
-    if not own:  # a layout has yet to take room from it
+    if not styled:  # a layout has yet to take room from it
         length = panel.get_window_extent().height * points(panel) * 0.6
 
     def place(value: float) -> float:

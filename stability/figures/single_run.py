@@ -116,8 +116,8 @@ def system_states(dataset: Any) -> tuple[str, ...]:
     -------
     tuple of str
     """
-    given = getattr(dataset, "attrs", {}).get("states", "[]")
-    return tuple(json.loads(given)) if isinstance(given, str) else ()
+    states = getattr(dataset, "attrs", {}).get("states", "[]")
+    return tuple(json.loads(states)) if isinstance(states, str) else ()
 
 
 def _until_end(dataset: xarray.Dataset) -> xarray.Dataset:
@@ -146,8 +146,8 @@ def events_of(data: xarray.Dataset) -> list[Event]:
     list of (time, word)
         In order of time.
     """
-    own = data.event_launch.values == int(data.coords.get("number", 0))
-    pairs = zip(data.event_time.values[own], data.event_kind.values[own], strict=True)
+    rows = data.event_launch.values == int(data.coords.get("number", 0))
+    pairs = zip(data.event_time.values[rows], data.event_kind.values[rows], strict=True)
     return sorted((float(t), str(word)) for t, word in pairs)
 
 

@@ -127,10 +127,10 @@ def remembered(plot: Callable[_Arguments, Figure]) -> Callable[_Arguments, Figur
     theirs = not plot.__module__.startswith(f"{PACKAGE}.")
 
     @wraps(plot)
-    def call(*given: _Arguments.args, **named: _Arguments.kwargs) -> Figure:
-        figure = plot(*given, **named)
+    def call(*args: _Arguments.args, **named: _Arguments.kwargs) -> Figure:
+        figure = plot(*args, **named)
         if isinstance(figure, StyledFigure):
-            arguments = signature(plot).bind(*given, **named).arguments
+            arguments = signature(plot).bind(*args, **named).arguments
             keys = joined(filter(None, [figure.citation, *map(keys_of, arguments.values())]))
             if arguments.get("ax") is None:
                 figure.remember(plot.__name__, arguments, keys)
@@ -178,8 +178,8 @@ def drawing(
         return
     if width is not None:
         raise ParameterError("width belongs to a figure of its own; leave it out, or leave out ax.")
-    own = float(matplotlib.rcParams["font.size"]) if size is None else size
-    with matplotlib.rc_context(styled(max(own, LEAST))):
+    base = float(matplotlib.rcParams["font.size"]) if size is None else size
+    with matplotlib.rc_context(styled(max(base, LEAST))):
         for axes in panels(ax):
             axes.tick_params(labelsize=matplotlib.rcParams["xtick.labelsize"])
             for text in (axes.xaxis.label, axes.yaxis.label):
@@ -197,15 +197,15 @@ def panels(ax: Any) -> list[Axes]:
     ParameterError
         If they are none.
     """
-    given = [ax] if isinstance(ax, Axes) else ax
-    found = list(given.flat) if isinstance(given, np.ndarray) else given
+    axes = [ax] if isinstance(ax, Axes) else ax
+    row = list(axes.flat) if isinstance(axes, np.ndarray) else axes
     if (
-        not isinstance(found, (list, tuple))
-        or not found
-        or not all(isinstance(one, Axes) for one in found)
+        not isinstance(row, (list, tuple))
+        or not row
+        or not all(isinstance(panel, Axes) for panel in row)
     ):
         raise ParameterError(f"ax is {shown(ax)}; give axes of Matplotlib.")
-    return list(found)
+    return list(row)
 
 
 STRIP = 0.075
@@ -216,8 +216,8 @@ def with_strips(figure: Figure, *, above: bool = False, below: bool = False) -> 
     """Panels from the top: the main one, with the strips next to it."""
     heights = [STRIP] * above + [1.0] + [STRIP] * below
     grid = {"height_ratios": heights, "hspace": 0.05}
-    found = figure.subplots(len(heights), 1, sharex=True, squeeze=False, gridspec_kw=grid)
-    return [row[0] for row in found]
+    rows = figure.subplots(len(heights), 1, sharex=True, squeeze=False, gridspec_kw=grid)
+    return [row[0] for row in rows]
 
 
 def label_axes(main: Axes, rows: Sequence[Axes], x: str, y: str) -> None:
@@ -419,8 +419,8 @@ def _above(axes: Axes) -> float:
     figure: Any = axes.get_figure(root=True)
     box, whole = axes.get_window_extent(), figure.bbox
     middle = (box.x0 + box.x1) / 2
-    own = isinstance(figure, StyledFigure)
-    width = 2 * min(middle - whole.x0, whole.x1 - middle) if own else box.width
+    ours = isinstance(figure, StyledFigure)
+    width = 2 * min(middle - whole.x0, whole.x1 - middle) if ours else box.width
     return float(width) * points(axes) - 8
 
 
@@ -464,12 +464,12 @@ def note(axes: Axes, text: str) -> None:
     if not text:
         return
     figure: Any = axes.get_figure(root=True)
-    own, inch = isinstance(figure, StyledFigure), points(axes)
+    ours, inch = isinstance(figure, StyledFigure), points(axes)
     # the axes of a user may have neighbours
-    room = (figure.bbox.width if own else axes.get_window_extent().width) * inch - 8
+    room = (figure.bbox.width if ours else axes.get_window_extent().width) * inch - 8
     lines = broken(text, lambda line: wide(line) <= room)
     look: dict[str, Any] = {"ha": "center", "fontsize": small()}
-    if not own:
+    if not ours:
         axes.annotate(
             lines,
             (0.5, 0.0),
@@ -521,7 +521,7 @@ def broken(text: str, fits: Callable[[str], bool], between: str = ", ") -> str:
 
 def fixed(
     values: Mapping[str, Any],
-    known: Mapping[str, Quantity],
+    quantities: Mapping[str, Quantity],
     units: Mapping[str, str],
     *,
     law: str = "",
@@ -533,7 +533,7 @@ def fixed(
     ----------
     values
         Numbers by name.
-    known
+    quantities
         Quantities of a disk by name; the quantities of a user's system have no symbol.
     units
         Units of a user's quantities by name.
@@ -549,7 +549,7 @@ def fixed(
     """
     parts = [f"{law} contact"] if law else []
     for name, value in values.items():
-        quantity = known.get(name)
+        quantity = quantities.get(name)
         if dimensionless and name in ("mass", "radius", "length", "gravity"):
             continue
         symbol = (quantity.typeset if quantity else "") or plain_text(name)

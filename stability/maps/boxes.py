@@ -28,7 +28,7 @@ MOST_LEVELS = 16
 
 
 @dataclass(frozen=True, eq=False)
-class Boxes:
+class ProvedBoxes:
     """Rectangles that cover a map."""
 
     x: Floats
@@ -43,7 +43,7 @@ class Boxes:
     """Share of the map's area that is proved, each axis in its own scale."""
 
 
-def prove_boxes(problem: Problem, axes: tuple[Axis, Axis], levels: int) -> Boxes:
+def prove_boxes(problem: Problem, axes: tuple[Axis, Axis], levels: int) -> ProvedBoxes:
     """Cover a map with rectangles of one proved verdict and a strip of narrow ones.
 
     Raises
@@ -66,7 +66,7 @@ def prove_boxes(problem: Problem, axes: tuple[Axis, Axis], levels: int) -> Boxes
     judge = _judge(problem, axes)
     edges = [_edges(axis, levels) for axis in axes]
     i = j = np.zeros(1, dtype=np.int64)
-    found: list[tuple[Any, Any, Any]] = []
+    pieces: list[tuple[Any, Any, Any]] = []
     proved = 0.0
     for level in range(levels + 1):
         width = 1 << (levels - level)
@@ -74,14 +74,14 @@ def prove_boxes(problem: Problem, axes: tuple[Axis, Axis], levels: int) -> Boxes
         codes = judge({axes[0].name: span[0], axes[1].name: span[1]})
         proved += 4.0**-level * int((codes != 0).sum())
         keep = codes != 0 if level < levels else np.ones(len(codes), dtype=bool)
-        found.append((np.stack(span[0], -1)[keep], np.stack(span[1], -1)[keep], codes[keep]))
+        pieces.append((np.stack(span[0], -1)[keep], np.stack(span[1], -1)[keep], codes[keep]))
         i, j = i[~keep], j[~keep]
         i = np.concatenate([2 * i, 2 * i + 1, 2 * i, 2 * i + 1])
         j = np.concatenate([2 * j, 2 * j, 2 * j + 1, 2 * j + 1])
         if not len(i):
             break
-    x, y, c = (np.concatenate(part) for part in zip(*found, strict=True))
-    return Boxes(x, y, c.astype(np.int8), levels, proved)
+    x, y, c = (np.concatenate(part) for part in zip(*pieces, strict=True))
+    return ProvedBoxes(x, y, c.astype(np.int8), levels, proved)
 
 
 def _edges(axis: Axis, levels: int) -> Floats:
@@ -93,8 +93,8 @@ Spans = Mapping[str, tuple[Floats, Floats]]
 
 def _judge(problem: Problem, axes: tuple[Axis, Axis]) -> Callable[[Spans], NDArray[np.int8]]:
     """Verdicts over boxes of a family."""
-    found = None if problem.may_drift else slice_verdicts(problem, axes)
-    return _WideBalls(problem) if found is None else found.boxes
+    verdicts = None if problem.may_drift else slice_verdicts(problem, axes)
+    return _WideBalls(problem) if verdicts is None else verdicts.boxes
 
 
 class _WideBalls:
@@ -107,9 +107,9 @@ class _WideBalls:
 
     def __call__(self, spans: Spans) -> NDArray[np.int8]:
         count = len(next(iter(spans.values()))[0])
-        return np.array([self._one(spans, n) for n in range(count)], dtype=np.int8)
+        return np.array([self._code(spans, n) for n in range(count)], dtype=np.int8)
 
-    def _one(self, spans: Spans, n: int) -> int:
+    def _code(self, spans: Spans, n: int) -> int:
         from flint import arb
 
         from ..algebra.number_types import precision
@@ -121,7 +121,7 @@ class _WideBalls:
                 values[name] = arb(float(low[n])).union(arb(float(high[n])))
             a, q, _ = self.problem.reduce(values, lambda v: v.sqrt())
             try:
-                found = in_balls(self.problem.family, a, q)
+                verdict = in_balls(self.problem.family, a, q)
             except NoMemberError:
                 return 0
-        return CODES[found] if found is not None else 0
+        return CODES[verdict] if verdict is not None else 0

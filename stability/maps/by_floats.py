@@ -48,12 +48,12 @@ class NumericCells:
         values = np.full((len(a), size), np.nan, dtype=complex)
         radius = np.full((len(a), size), np.inf)
         codes = np.full(len(a), CODES[Verdict.UNDECIDED], dtype=np.int8)
-        found: dict[int, Reduced] = {}
+        members: dict[int, Reduced] = {}
         for i in range(len(a)):
             with suppress(StabilityError):
-                found[i] = numeric_linearised(family, *(v[i : i + 1] for v in (a, q, u)))
-        if found:
-            rows, parts = list(found), found.values()
+                members[i] = numeric_linearised(family, *(v[i : i + 1] for v in (a, q, u)))
+        if members:
+            rows, parts = list(members), members.values()
             matrix, error = (np.concatenate([p[k] for p in parts]) for k in (0, 1))
             whole = Reduced(matrix, error, [], np.zeros(len(rows), dtype=np.intp))
             values[rows], radius[rows], _ = eigenvalues(whole, even=False)
@@ -65,6 +65,6 @@ class NumericCells:
 
     def unstable(self, a: Floats, q: Floats, u: Floats) -> NDArray[np.int16]:
         """Number of unstable eigenvalues of members, -1 where discs leave it open."""
-        found = numeric_linearised(self.problem.family, a, q, u)
-        values, radius, _ = eigenvalues(found, even=False)
+        reduced = numeric_linearised(self.problem.family, a, q, u)
+        values, radius, _ = eigenvalues(reduced, even=False)
         return unstable_in_discs(values, radius, even=False)

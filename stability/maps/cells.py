@@ -128,8 +128,8 @@ class Cells:
             return None
         if not stored and (not self.problem.plain or math.prod(self.shape) < LEAST):
             return None
-        found = formula_cells(*asked) or slice_cells(*asked)
-        return found if found is not None and found.growth else None
+        bands = formula_cells(*asked) or slice_cells(*asked)
+        return bands if bands is not None and bands.growth else None
 
     def _make_room(self) -> None:
         """Arrays for all cells."""
@@ -269,9 +269,9 @@ class Cells:
         for first in range(0, len(stable), CHUNK):
             some = stable[first : first + CHUNK]
             a, q, _, u, _ = self._members_of(some, grid)
-            known = codes[some]
-            drifting(known, drift_powers(family, a, q, u, zeros, roundings))
-            codes[some] = known
+            judged = codes[some]
+            drifting(judged, drift_powers(family, a, q, u, zeros, roundings))
+            codes[some] = judged
 
     def _settle(self, codes: Any, grid: Grid, few: int, most: int | None) -> None:
         """Decide open cells of a grid, where they are few."""
@@ -336,8 +336,8 @@ class Cells:
         for first in range(0, len(left), CHUNK):
             some = left[first : first + CHUNK]
             chunk = self._work(*self._members_of(some, grid))
-            known = flat["codes"][some]
-            chunk["codes"] = np.where(known == ELSEWHERE, chunk["codes"], known)
+            judged = flat["codes"][some]
+            chunk["codes"] = np.where(judged == ELSEWHERE, chunk["codes"], judged)
             for name, array in chunk.items():
                 flat[name][some] = array
 
@@ -364,11 +364,11 @@ class Cells:
         swept = {self.axes[0].name: xs[column], self.axes[1].name: ys[row]}
         values = dict(self.problem.values) | swept
         a, q, rate, _ = self.problem.arrays(values)
-        found = self.problem.family.members(a, q)
-        good = found.good
+        members = self.problem.family.members(a, q)
+        good = members.good
         if not good.all():
-            self.refusal = self.refusal or found.why(int(np.argmin(good)))
-        return a[good], q[good], rate[good], found.u[good], good
+            self.refusal = self.refusal or members.why(int(np.argmin(good)))
+        return a[good], q[good], rate[good], members.u[good], good
 
     def _work(
         self,
@@ -413,12 +413,12 @@ class Cells:
 
 
 def _band(cells: Callable[[], Cells], start: int, total: int) -> Chunk:
-    own = cells()
-    with eigensolver(own.solver):
-        return own._band(start, total)
+    worker = cells()
+    with eigensolver(worker.solver):
+        return worker._band(start, total)
 
 
 def _work(cells: Callable[[], Cells], *members: Any) -> Chunk:
-    own = cells()
-    with eigensolver(own.solver):  # each thread has its own context
-        return own._work(*members)
+    worker = cells()
+    with eigensolver(worker.solver):  # each thread has its own context
+        return worker._work(*members)

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
     from ..base.axis import Axis
     from ..boundary.curves import Curves
-    from .boxes import Boxes
+    from .boxes import ProvedBoxes
 
 
 BY_FLOATS = Evidence.BY_FLOATS
@@ -53,7 +53,7 @@ def flag_attributes(codes: Mapping[str, int], **words: str) -> dict[str, Any]:
 
 
 def point_variables(
-    found: CodimensionTwo, axes: Mapping[str, Mapping[str, str]], rate: Mapping[str, str]
+    points: CodimensionTwo, axes: Mapping[str, Mapping[str, str]], rate: Mapping[str, str]
 ) -> dict[str, Any]:
     """Variables along the dimension `point`.
 
@@ -63,8 +63,8 @@ def point_variables(
         Variables by name, as for `xarray.Dataset`.
     """
     d = ("point",)
-    pairs = np.full((len(found), PAIRS), np.nan)
-    for row, point in zip(pairs, found, strict=True):
+    pairs = np.full((len(points), PAIRS), np.nan)
+    for row, point in zip(pairs, points, strict=True):
         row[: len(point.frequencies)] = point.frequencies
     kinds = flag_attributes(
         {k.name.lower(): code for k, code in KINDS.items()},
@@ -73,8 +73,8 @@ def point_variables(
     )
     others = flag_attributes(OTHERS, long_name="eigenvalues other than those that meet")
     out: dict[str, Any] = {
-        "point_kind": (d, np.array([KINDS[p.kind] for p in found], dtype=np.int8), kinds),
-        "point_others": (d, np.array([OTHERS[p.others] for p in found], dtype=np.int8), others),
+        "point_kind": (d, np.array([KINDS[p.kind] for p in points], dtype=np.int8), kinds),
+        "point_others": (d, np.array([OTHERS[p.others] for p in points], dtype=np.int8), others),
         "point_frequency": (
             ("point", "point_pair"),
             pairs,
@@ -84,25 +84,25 @@ def point_variables(
     for (name, words), value, bound in zip(
         axes.items(), ("x", "y"), ("x_error", "y_error"), strict=True
     ):
-        out[f"point_{name}"] = (d, np.array([getattr(p, value) for p in found]), dict(words))
+        out[f"point_{name}"] = (d, np.array([getattr(p, value) for p in points]), dict(words))
         out[f"point_{name}_error"] = (
             d,
-            np.array([getattr(p, bound) for p in found]),
+            np.array([getattr(p, bound) for p in points]),
             dict(words) | {"long_name": f"proved bound on the error of point_{name}"},
         )
     return out
 
 
-def point_attributes(found: CodimensionTwo) -> dict[str, Any]:
+def point_attributes(points: CodimensionTwo) -> dict[str, Any]:
     """How points were sought, and what stays open, as attributes of a dataset."""
     return {
-        "points_axes": json.dumps(found.axes),
-        "points_how": found.how,
-        "points_vanishing": found.vanishing,
-        "points_complete": int(found.complete),
-        "points_vanishing_complete": int(found.vanishing_complete),
+        "points_axes": json.dumps(points.axes),
+        "points_how": points.how,
+        "points_vanishing": points.vanishing,
+        "points_complete": int(points.complete),
+        "points_vanishing_complete": int(points.vanishing_complete),
         "points_unresolved": json.dumps(
-            [[b.kind.name.lower(), b.x, b.y, b.reason] for b in found.unresolved]
+            [[b.kind.name.lower(), b.x, b.y, b.reason] for b in points.unresolved]
         ),
     }
 
@@ -221,7 +221,7 @@ def assemble(
     axes: tuple[Axis, Axis],
     cells: Any,
     curves: Curves | None,
-    boxes: Boxes | None = None,
+    boxes: ProvedBoxes | None = None,
     points: CodimensionTwo | None = None,
     counts: Mapping[str, Any] | None = None,
 ) -> xarray.Dataset:
@@ -308,7 +308,7 @@ def _with_no_member(flags: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _box_variables(
-    problem: Problem, axes: tuple[Axis, Axis], boxes: Boxes, flags: Mapping[str, Any]
+    problem: Problem, axes: tuple[Axis, Axis], boxes: ProvedBoxes, flags: Mapping[str, Any]
 ) -> dict[str, Any]:
     long = {"long_name": "verdict proved everywhere in the box, 0 in the enclosing strip"}
     out: dict[str, Any] = {"box_verdict": (("box",), boxes.codes, dict(flags) | long)}

@@ -265,10 +265,10 @@ class FormulaCells(Bands):
         A polynomial in λ² needs few digits of its coefficients, so one bound for all roundings is
         enough, and quick.  Other roots need the bound of each operation.
         """
-        found = along(places)
+        values = along(places)
         if self.sized:
-            return (found[0], found[3]), list(zip(found[2], found[5], strict=True))
-        some, _, positive = found
+            return (values[0], values[3]), list(zip(values[2], values[5], strict=True))
+        some, _, positive = values
         pairs = [(v.value, 1.01 * v.error) for v in map(tracked, positive)]
         columns = zip(*((v.value, 1.01 * v.error) for v in map(tracked, some)), strict=True)
         return tuple(columns), pairs
@@ -328,15 +328,15 @@ def quick_rates(
         return None
     whole = columns and count % columns == 0
     across = columns if whole else count
-    found = _of(matrix, error, even=even, modes=modes, columns=across, loops=loops)
-    left = np.flatnonzero(found.poor | (found.codes == 0))
+    growth = _of(matrix, error, even=even, modes=modes, columns=across, loops=loops)
+    left = np.flatnonzero(growth.poor | (growth.codes == 0))
     if len(left):
         part = Reduced(matrix[left], error[left], [], reduced.supported[left])
         values, radius, _ = eigenvalues(part, even=even)
         again = of_eigenvalues(values, radius, decide(values, radius, even=even))
         for name in ("codes", "abscissa", "error", "frequency", *(["values"] * modes)):
-            getattr(found, name)[left] = getattr(again, name)
-    return found
+            getattr(growth, name)[left] = getattr(again, name)
+    return growth
 
 
 def _of(
@@ -377,17 +377,17 @@ class GraphCells:
         family.checked_states(a, u, q)
         watch = not self._certain
         reduced = deflate(family, a, q, u, self.problem.roundings, watch=watch)
-        found = None
+        growth = None
         if not watch:
             how = {"even": even, "modes": self.modes, "loops": self._loops}
-            found = quick_rates(reduced, columns=columns, **how)
-        if found is None:
+            growth = quick_rates(reduced, columns=columns, **how)
+        if growth is None:
             values, radius, _ = eigenvalues(reduced, even=even)
             codes = decide(values, radius, even=even)
             if watch:
                 self._restore(values, radius, codes, (a, q, u), reduced.supported)
-            found = of_eigenvalues(values, radius, codes)
-        return {"codes": found.codes, **arrays_of(found, modes=self.modes, unit=rate)}
+            growth = of_eigenvalues(values, radius, codes)
+        return {"codes": growth.codes, **arrays_of(growth, modes=self.modes, unit=rate)}
 
     def unstable(self, a: Floats, q: Floats, u: Floats) -> NDArray[np.int16]:
         """Number of unstable eigenvalues of members, -1 where discs leave it open."""
@@ -450,14 +450,14 @@ class SliceCells(Bands):
     """
 
     def __init__(
-        self, problem: Problem, found: Slice, axes: tuple[Axis, Axis], modes: bool
+        self, problem: Problem, section: Slice, axes: tuple[Axis, Axis], modes: bool
     ) -> None:
         super().__init__(problem, axes, modes)
-        self.verdicts = SliceVerdicts(problem, found, axes)
+        self.verdicts = SliceVerdicts(problem, section, axes)
         self.windows = self.verdicts.windows
         self._factors = [
             ([surface(c, self.windows) if c != 0 else None for c in row], even, count)
-            for row, even, count in found.factors
+            for row, even, count in section.factors
         ]
         present = [s for row, _, _ in self._factors for s in row if s is not None]
         self._degrees = tuple(max(s.degrees[k] for s in present) for k in (0, 1))
@@ -467,7 +467,7 @@ class SliceCells(Bands):
         self._exact = all(s.rest is not None for s in present)
         self.loops = None
         if self.complete and self._may_sweep:
-            self.loops = CompiledRates.of([row for row, _, _ in self._factors], even=found.even)
+            self.loops = CompiledRates.of([row for row, _, _ in self._factors], even=section.even)
         self.swept = self.loops is not None
         self.growth = self.complete or bool(self.rates(*self._sample).poor.mean() <= MOST_POOR)
         self.how += LOOPS * (self.swept or self.looped)
@@ -475,8 +475,8 @@ class SliceCells(Bands):
     def judged(self, xs: Floats, ys: Floats, room: Room | None = None) -> tuple[Codes, int, Rates]:
         """Flags and growth rates over a grid, flat."""
         growth = None if self.loops is None else self._swept(xs, ys, room)
-        known = None if growth is None or "lean" in self.problem.values else growth.codes
-        codes, exact = self.verdicts(xs, ys, known)
+        proved = None if growth is None or "lean" in self.problem.values else growth.codes
+        codes, exact = self.verdicts(xs, ys, proved)
         codes = codes.reshape(-1)
         if growth is None:
             growth = self.rates(xs, ys)
@@ -549,9 +549,9 @@ class SliceCells(Bands):
 
 def slice_cells(problem: Problem, axes: tuple[Axis, Axis], modes: bool) -> SliceCells | None:
     """The cells of a map by a slice; None where the family has none."""
-    found = slice_of(problem, axes[0].name, axes[1].name)
+    section = slice_of(problem, axes[0].name, axes[1].name)
     with suppress(NotExact):
-        return None if found is None else SliceCells(problem, found, axes, modes)
+        return None if section is None else SliceCells(problem, section, axes, modes)
     return None
 
 

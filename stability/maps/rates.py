@@ -61,10 +61,10 @@ def coarse_to_fine(a: Sequence[Any], shape: tuple[int, int]) -> Factors:
         steps = STEPS if half > 1 else 1
         # first the rows between known ones, then all columns between known ones
         for rows, columns, axis in ((odd, even, 1), (every, odd, 2)):
-            known = whole[:, even, even] if axis == 1 else whole[:, every, even]
+            coarse = whole[:, even, even] if axis == 1 else whole[:, every, even]
             target = whole[:, rows, columns]
             if target.size:
-                near = _between(known, axis, target.shape[axis])
+                near = _between(coarse, axis, target.shape[axis])
                 part = [np.ascontiguousarray(c[rows, columns]).ravel() for c in coefficients]
                 factors = settle(part, Factors.of(list(near.reshape(count, -1))), steps)
                 target[...] = np.stack(factors.arrays).reshape(target.shape)
@@ -72,9 +72,9 @@ def coarse_to_fine(a: Sequence[Any], shape: tuple[int, int]) -> Factors:
     return Factors.of(list(whole.reshape(count, -1)))
 
 
-def _between(known: Any, axis: int, count: int) -> Any:
+def _between(values: Any, axis: int, count: int) -> Any:
     """Values half-way between neighbours along an axis, by cubic interpolation inside."""
-    v = np.moveaxis(known, axis, 0)
+    v = np.moveaxis(values, axis, 0)
     out = np.empty((count, *v.shape[1:]), dtype=v.dtype)
     pairs = len(v) - 1
     out[:pairs] = 0.5 * (v[:-1] + v[1:])
@@ -155,10 +155,10 @@ def of_eigenvalues(values: Complexes, radius: Floats, codes: Codes) -> Rates:
     return Rates(lead.real, error, np.abs(lead.imag), codes, values, poor)
 
 
-def arrays_of(found: Any, *, modes: bool, unit: Floats | None = None) -> Chunk:
+def arrays_of(growth: Any, *, modes: bool, unit: Floats | None = None) -> Chunk:
     """The arrays of a chunk of a map but its flags, times a unit of rate of each member."""
     names = ("abscissa", "error", "frequency", *(["values"] * modes))
-    arrays = {name: getattr(found, name) for name in names}
+    arrays = {name: getattr(growth, name) for name in names}
     if unit is None:
         return arrays
     return {n: v * (unit if v.ndim == 1 else unit[:, None]) for n, v in arrays.items()}
@@ -209,10 +209,10 @@ def rates(
         rows = slice(first, first + BLOCK)
         with np.errstate(all="ignore"):
             parts = []
-            for ((a, e), even, _), known in zip(factors, kept, strict=True):
+            for ((a, e), even, _), seed in zip(factors, kept, strict=True):
                 step = 1 + even
                 near_, off = ([v[rows] for v in some[::step]] for some in (a, e))
-                roots = _enclosed(near_, off, known and known.take(rows))
+                roots = _enclosed(near_, off, seed and seed.take(rows))
                 parts.append(_mirrored(roots) if even else roots)
             _fill(growth, rows, parts, factors, wanted)
     return growth

@@ -18,19 +18,19 @@ from ..systems.system_checks import mapping
 
 def sheet_box(family: Family, box: Any) -> dict[str, tuple[float, float]]:
     """The box of a map; refused where it does not name exactly the unknowns of the family."""
-    given = mapping("box", box)
+    ends = mapping("box", box)
     if not family.unknown or not isinstance(family.system, Equations):
         raise ParameterError(
             f"{family.name} has no states that are solved for, so a box counts nothing; leave it "
             "out."
         )
-    if set(given) != set(family.unknown):
-        wrong = listed(list(given)) if given else "no state"
+    if set(ends) != set(family.unknown):
+        wrong = listed(list(ends)) if ends else "no state"
         raise ParameterError(
             f"box names {wrong}; give (low, high) for each state that "
             f"{family.name} is solved for: {listed(list(family.unknown))}."
         )
-    return {name: box_ends(name, given[name]) for name in family.unknown}
+    return {name: box_ends(name, ends[name]) for name in family.unknown}
 
 
 def sheet_counts(

@@ -118,8 +118,8 @@ def ball_determinants(coefficients: Sequence[BallPolynomial], budget: Budget) ->
     """
     out: list[Any] = []
     for size in range(1, len(coefficients) - 1):
-        found = characteristic(hurwitz_matrix(coefficients, size, 0))[0] + BallPolynomial({})
-        out.append(-found if size % 2 else found)
+        determinant = characteristic(hurwitz_matrix(coefficients, size, 0))[0] + BallPolynomial({})
+        out.append(-determinant if size % 2 else determinant)
         budget.watch(out[-1])
     return out
 
@@ -156,7 +156,7 @@ MOST_FACTORED = 80
 
 
 @dataclass(frozen=True)
-class Condition:
+class SignProduct:
     """A polynomial as a sign times powers of factors, given by their place in a list."""
 
     sign: int
@@ -173,11 +173,11 @@ class Slice:
     """(coefficients by powers of λ lowest first, whether even, multiplicity) of each factor."""
     surfaces: tuple[Poly, ...]
     """Polynomials in x and y whose signs are asked."""
-    conditions: tuple[Condition, ...]
+    conditions: tuple[SignProduct, ...]
     """All positive: best verdict; one negative: unstable."""
-    required: tuple[Condition, ...]
+    required: tuple[SignProduct, ...]
     """Positive at every member of the family."""
-    nonzero: tuple[Condition, ...]
+    nonzero: tuple[SignProduct, ...]
     """Not zero where the polynomial holds."""
     even: bool
     """Whether the best verdict is neutral."""
@@ -238,34 +238,34 @@ def _sign(value: Any) -> int:
     return 1 if value > 0 else -1 if value < 0 else 0
 
 
-def _value(condition: Condition, signs: Sequence[int]) -> int:
+def _value(condition: SignProduct, signs: Sequence[int]) -> int:
     out = condition.sign
     for place, power in condition.powers:
         out *= signs[place] ** power
     return out
 
 
-class Table:
+class SignTable:
     """Polynomials in x and y, each kept once, and conditions as products of them."""
 
     def __init__(self) -> None:
         self.polys: list[Poly] = []
 
-    def condition(self, *product: Poly, whole: bool = False) -> Condition:
+    def condition(self, *product: Poly, whole: bool = False) -> SignProduct:
         """A product of polynomials as a product of kept ones, or of their factors."""
         sign, powers = 1, Counter[int]()
         for poly in product:
             if poly == 0:  # neither positive nor negative: exact arithmetic decides each cell
-                return Condition(0, ())
+                return SignProduct(0, ())
             if poly.is_constant():
                 sign *= _sign(poly.leading_coefficient())
                 continue
             keep = whole or isinstance(poly, BallPolynomial) or len(poly) > MOST_FACTORED
-            constant, found = (fmpq(1), [(poly, 1)]) if keep else factors(poly)
+            constant, factored = (fmpq(1), [(poly, 1)]) if keep else factors(poly)
             sign *= _sign(constant)
-            for factor, count in found:
+            for factor, count in factored:
                 powers[self._place(factor)] += count
-        return Condition(sign, tuple(powers.items()))
+        return SignProduct(sign, tuple(powers.items()))
 
     def _place(self, poly: Poly) -> int:
         if poly not in self.polys:
@@ -336,22 +336,22 @@ def stored_slice(problem: Problem, x: str, y: str) -> Slice:
     """
     exact = problem.exact
     assert isinstance(exact, TabulatedPolynomial)
-    one, axes = Monomial(fmpq(1)), {x: (1, 0), y: (0, 1)}
+    unit, axes = Monomial(fmpq(1)), {x: (1, 0), y: (0, 1)}
     values = {
         n: Monomial(fmpq(1), axes[n]) if n in axes else Monomial(rational(float(v)))
         for n, v in problem.values.items()
     }
     with precision(BITS):
-        point = [v if isinstance(v, Monomial) else one for v in exact.point(values, MONOMIALS)]
+        point = [v if isinstance(v, Monomial) else unit for v in exact.point(values, MONOMIALS)]
         rows = tuple(
             (_cleared_terms([_at_monomials(c, point) for c in factor]), exact.known.even, 1)
             for factor in exact.known.factors
         )
         polys = [_cleared_terms([_at_monomials(p, point)])[0] for _, p in exact.known.conditions]
-    table = Table()
+    table = SignTable()
     conditions = tuple(table.condition(p, whole=True) for p in polys)
     if "lean" not in axes and exact.edge(problem.values):
-        conditions += (Condition(0, ()),)
+        conditions += (SignProduct(0, ()),)
     first, second = ({"theta": "sin", "lean": "cos"}.get(exact.angle(n), "") for n in (x, y))
     functions = first, second
     # what the conditions leave out: the right angle, and a precession of zero, without a member
@@ -440,16 +440,16 @@ class _Field(FunctionField):
 
     def root(self, kind: str, square: Any, over: Any = None) -> Expression:
         """An indeterminate whose square is a polynomial, or a polynomial."""
-        own = range(len(self.near))
+        places = range(len(self.near))
         used = occurring(square) | (set() if over is None else occurring(over))
         value = None
-        if used <= {*own}:
+        if used <= {*places}:
             with suppress(DomainError):  # no square
                 value = square.sqrt()
         if value is None:
             return super().root(kind, square, over)
         side = value if over is None else value * over
-        if evaluate(side, dict(zip(own, self.near, strict=True))) < 0:
+        if evaluate(side, dict(zip(places, self.near, strict=True))) < 0:
             value, side = -value, -side
         if not side.is_constant():
             self.sides.append(side)
@@ -491,7 +491,7 @@ class _AxesPolynomial(CharacteristicPolynomial):
 
     def slice(self) -> Slice:
         """The slice of this polynomial."""
-        exact, table = not self.field.meaning, Table()
+        exact, table = not self.field.meaning, SignTable()
         with precision(BITS):
             rows, apart = self._over_q() if exact else self._in_balls()
             # roots of squares were taken on one side of zero
@@ -507,15 +507,15 @@ class _AxesPolynomial(CharacteristicPolynomial):
 
     def _over_q(self) -> tuple[Rows, list[Poly]]:
         """The factors of the polynomial over Q, and polynomials that are not zero."""
-        found = self.factored
-        if found.zeros != structure(self.family).zeros or not found.factors:
+        form = self.factored
+        if form.zeros != structure(self.family).zeros or not form.factors:
             raise NotExact("zeros in addition to those by structure")
         rows: list[tuple[tuple[Poly, ...], bool, int]] = []
-        for factor, count in found.factors:
-            row = [_moved(c, found.indices) for c in factor]
+        for factor, count in form.factors:
+            row = [_moved(c, form.indices) for c in factor]
             turn = -1 if row[-1].is_constant() and row[-1].leading_coefficient() < 0 else 1
             rows.append((tuple(c * turn for c in row), is_even(row), count))
-        return tuple(rows), [_moved(p, found.indices) for p in found.nonzero]
+        return tuple(rows), [_moved(p, form.indices) for p in form.nonzero]
 
     def _in_balls(self) -> tuple[Rows, list[Poly]]:
         """The polynomial with sines and roots of fixed numbers as narrow balls."""
@@ -532,12 +532,12 @@ class _AxesPolynomial(CharacteristicPolynomial):
     @cached_property
     def _atoms(self) -> dict[int, Any]:
         """Values of the functions of fixed numbers, as balls."""
-        known: dict[int, Any] = {}
+        values: dict[int, Any] = {}
         for index in sorted(self.field.meaning):
             if not self.field.uses(index) <= set(self.field.meaning):
                 raise NotExact("functions of what varies")
-            known[index] = self.field.enclosed(index, known)
-        return known
+            values[index] = self.field.enclosed(index, values)
+        return values
 
     def _enclosed(self, poly: Poly) -> BallPolynomial:
         """A polynomial of the field, with balls for the functions in it."""

@@ -75,8 +75,8 @@ def judge_of(problem: Problem, axes: tuple[Axis, Axis]) -> SliceVerdicts:
             f"{problem.family.name} under the {problem.law.name if problem.law else ''} law has no "
             "exact polynomials, by which verdicts are streamed; use growth=True, or stability_map."
         )
-    found = slice_verdicts(problem, axes)
-    if found is None:
+    verdicts = slice_verdicts(problem, axes)
+    if verdicts is None:
         raise ParameterError(
             f"{problem.family.name} has no polynomial over Q in {axes[0].name} and {axes[1].name} "
             "that proves its verdicts, by which verdicts are streamed; use growth=True, or "
@@ -87,12 +87,12 @@ def judge_of(problem: Problem, axes: tuple[Axis, Axis]) -> SliceVerdicts:
             f"{problem.family.name} has zero eigenvalues that may form a Jordan block, which its "
             "polynomial does not show; use growth=True, or stability_map."
         )
-    if not stored and not found.everywhere:
+    if not stored and not verdicts.everywhere:
         raise ParameterError(
             f"{problem.family.name} is not proved to have a member in every cell of this map; use "
             "growth=True, or stability_map."
         )
-    return found
+    return verdicts
 
 
 def flags() -> dict[str, Any]:
@@ -131,8 +131,8 @@ class ChunkWork:
     def __call__(self, block: Block, part: slice) -> Arrays:
         """Arrays of a part of the chunk's cells."""
         rows, columns = self.layout.slices(block)
-        found = self.arrays(self.axes[0].values[columns], self.axes[1].values[rows])
-        return {name: array[part] for name, array in found.items()}
+        arrays = self.arrays(self.axes[0].values[columns], self.axes[1].values[rows])
+        return {name: array[part] for name, array in arrays.items()}
 
 
 def verdicts_of(judge: Callable[[], SliceVerdicts], xs: Floats, ys: Floats) -> Arrays:
@@ -143,8 +143,8 @@ def verdicts_of(judge: Callable[[], SliceVerdicts], xs: Floats, ys: Floats) -> A
 
 def growth_of(cells: Callable[[], Cells], xs: Floats, ys: Floats) -> Arrays:
     """Verdicts and growth rates of a grid, by this worker's cells."""
-    found = cells().part(xs, ys)
-    return {"verdict": found["codes"], **{name: found[own] for name, own in RATES.items()}}
+    part = cells().part(xs, ys)
+    return {"verdict": part["codes"], **{name: part[source] for name, source in RATES.items()}}
 
 
 def no_verdicts(count: int) -> Arrays:

@@ -203,8 +203,8 @@ class Surface:
         value: Any = 0.0
         spread: Any = 0.0
         rounding = self._rounding(box)
-        found, left_out = self._taylor(box, sum(self.degrees), rounding)
-        for a, b, coefficient in found:
+        terms, left_out = self._taylor(box, sum(self.degrees), rounding)
+        for a, b, coefficient in terms:
             if a or b:
                 np.abs(coefficient, out=coefficient)
                 spread = spread + coefficient * box.far_t[a] * box.far_s[b]
@@ -230,10 +230,10 @@ class Surface:
             Shape (N, points along s, points along t).
         """
         rounding = self._rounding(box)
-        found, left_out = self._taylor(box, ORDERS, rounding)
+        terms, left_out = self._taylor(box, ORDERS, rounding)
         by_power: dict[int, Any] = {}
         size: Any = 0.0
-        for a, b, coefficient in found:
+        for a, b, coefficient in terms:
             size = size + np.abs(coefficient) * box.far_t[a] * box.far_s[b]
             term = coefficient[:, None] * t**a if a else coefficient[:, None]
             by_power[b] = by_power[b] + term if b in by_power else term
@@ -261,7 +261,7 @@ class Surface:
 
         Coefficients whose terms are small, or of higher order than asked, are left out.
         """
-        found = []
+        terms = []
         high, wide, left_out = float(box.h.max()), float(box.k.max()), 0.0
         limit = 2.0 * float(rounding.min())
         for a, b, matrix, size in self.derivatives:
@@ -270,8 +270,8 @@ class Surface:
                 left_out += largest
             else:
                 value = _sum(matrix, box.t[: len(matrix)], box.s[: matrix.shape[1]])
-                found.append((a, b, value))
-        return found, left_out * box.reach
+                terms.append((a, b, value))
+        return terms, left_out * box.reach
 
     @cached_property
     def derivatives(self) -> list[tuple[int, int, Floats, float]]:
@@ -281,13 +281,13 @@ class Surface:
             [float(comb(n, k)) for n in range(max(rows, columns))]
             for k in range(max(rows, columns))
         ]
-        found = []
+        terms = []
         for a in range(rows):
             for b in range(columns):
                 factor = np.outer(along[a][a:rows], along[b][b:columns])
                 matrix = self.matrix[a:, b:] * factor
-                found.append((a, b, matrix, float(np.abs(matrix).sum())))
-        return sorted((v for v in found if v[3]), key=lambda v: -(v[0] + v[1]))
+                terms.append((a, b, matrix, float(np.abs(matrix).sum())))
+        return sorted((v for v in terms if v[3]), key=lambda v: -(v[0] + v[1]))
 
     def product(self, t: Floats, s: Floats) -> tuple[Floats, Floats]:
         """Values and bounds on their errors over a grid, in units of 2^exponent."""

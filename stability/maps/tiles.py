@@ -18,7 +18,7 @@ Judge = Callable[[Ends, Ends, Any], tuple[Codes, Any]]
 
 
 def tiled(
-    xs: Floats, ys: Floats, sides: Sequence[int], judge: Judge, known: Any
+    xs: Floats, ys: Floats, sides: Sequence[int], judge: Judge, proved: Any
 ) -> tuple[Codes, Any, Any, Any]:
     """Flags of the cells of a grid by tiles, those that stay open cut into smaller ones.
 
@@ -30,7 +30,7 @@ def tiled(
         Cells along the side of a tile, coarse to fine.
     judge
         What proves one verdict on all of a box.
-    known
+    proved
         Signs that hold on the whole grid, shape (·, 1).
 
     Returns
@@ -43,20 +43,20 @@ def tiled(
     tall, wide = (-(-n // side) for n in shape)
     padded = np.empty((tall * side, wide * side), dtype=np.int8)
     i, j = (v.ravel() for v in np.indices((tall, wide)))
-    signs: Any = np.repeat(known, len(i), axis=1)
+    signs: Any = np.repeat(proved, len(i), axis=1)
     for finer in (*sides[1:], None):
         x, y = (
             (v[first], v[np.minimum(first + side, len(v)) - 1])
             for v, first in ((xs, j * side), (ys, i * side))
         )
-        found, signs = judge(x, y, signs)
+        codes, signs = judge(x, y, signs)
         if side == sides[0]:  # all tiles: whole rows at once
-            rows = np.repeat(found.reshape(tall, wide), side, axis=1)
+            rows = np.repeat(codes.reshape(tall, wide), side, axis=1)
             padded.reshape(tall, side, wide * side)[...] = rows[:, None, :]
         else:
             tall, wide = padded.shape[0] // side, padded.shape[1] // side
-            padded.reshape(tall, side, wide, side)[i, :, j, :] = found[:, None, None]
-        left = found == 0
+            padded.reshape(tall, side, wide, side)[i, :, j, :] = codes[:, None, None]
+        left = codes == 0
         i, j, signs = i[left], j[left], signs[:, left]
         if finer is None or not len(i):
             break

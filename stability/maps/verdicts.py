@@ -16,7 +16,7 @@ from ..base.types import Floats
 from ..base.verdict import CODES, Verdict, best
 from ..spectra.certificate import verdict
 from ..spectra.problem import Problem
-from .slices import BallPolynomial, Condition, Slice, slice_of
+from .slices import BallPolynomial, SignProduct, Slice, slice_of
 from .surfaces import Box, Signs, Surface, Window, powers
 from .tiles import Codes, Ends, tiled
 
@@ -102,14 +102,14 @@ class SliceVerdicts:
         """Signs over boxes; those known already stay."""
         t, s = (w.ends(*ends) for w, ends in zip(self.windows, (x, y), strict=True))
         signs, box = signs.astype(np.int8), Box(t, s, self.degrees)
-        for row, one in zip(signs, self.surfaces, strict=True):
+        for row, polynomial in zip(signs, self.surfaces, strict=True):
             left = np.flatnonzero(row == 0)
             if not len(left):
                 continue
             if len(left) == len(row):
-                row[:] = one.over(box)
+                row[:] = polynomial.over(box)
             else:
-                row[left] = one.over(box.take(left))
+                row[left] = polynomial.over(box.take(left))
         out: Signs = signs
         return out
 
@@ -121,14 +121,14 @@ class SliceVerdicts:
 
     # --- a grid ---
 
-    def __call__(self, xs: Floats, ys: Floats, known: Codes | None = None) -> tuple[Codes, int]:
+    def __call__(self, xs: Floats, ys: Floats, proved: Codes | None = None) -> tuple[Codes, int]:
         """Flags over a grid inside the map.
 
         Parameters
         ----------
         xs, ys
             Increasing values of the axes.
-        known
+        proved
             Flags that are proved already, flat, 0 for others; they change in place.
 
         Returns
@@ -138,10 +138,10 @@ class SliceVerdicts:
             decided over Q.
         """
         with np.errstate(all="ignore"):
-            if known is not None:
-                left = np.flatnonzero(known == 0)
-                known[left], exact = self.at(xs, ys, *np.divmod(left, len(xs)))
-                return known.reshape(len(ys), len(xs)), exact
+            if proved is not None:
+                left = np.flatnonzero(proved == 0)
+                proved[left], exact = self.at(xs, ys, *np.divmod(left, len(xs)))
+                return proved.reshape(len(ys), len(xs)), exact
             padded, i, j, signs = tiled(xs, ys, SIDES, self._tiles, self.known)
             exact = self._single(padded, i, j, signs, xs, ys) if len(i) else 0
             return padded[: len(ys), : len(xs)], exact
@@ -162,18 +162,18 @@ class SliceVerdicts:
         box = Box(ends[0], ends[1], self.degrees)
         offsets = [v - middle[:, None] for v, middle in zip(grid, box.middle, strict=True)]
         cells = np.repeat(signs, side * side, axis=1).reshape(len(signs), -1, side, side)
-        for row, known, one in zip(cells, signs, self.surfaces, strict=True):
-            left = np.flatnonzero(known == 0)
+        for row, before, polynomial in zip(cells, signs, self.surfaces, strict=True):
+            left = np.flatnonzero(before == 0)
             if len(left):
-                row[left] = one.inside(box.take(left), *(v[left] for v in offsets))
-        found = self._codes(cells.reshape(len(signs), -1))
-        left = np.flatnonzero(found == 0)
+                row[left] = polynomial.inside(box.take(left), *(v[left] for v in offsets))
+        codes = self._codes(cells.reshape(len(signs), -1))
+        left = np.flatnonzero(codes == 0)
         tile, rest = np.divmod(left, side * side)
         place = rows[tile, rest // side], columns[tile, rest % side]
         some = cells.reshape(len(signs), -1)[:, left]
-        found[left], exact = self._each(some, xs, ys, *place)
+        codes[left], exact = self._each(some, xs, ys, *place)
         whole = padded.reshape(padded.shape[0] // side, side, padded.shape[1] // side, side)
-        whole[i, :, j, :] = found.reshape(-1, side, side)
+        whole[i, :, j, :] = codes.reshape(-1, side, side)
         return exact
 
     def at(self, xs: Floats, ys: Floats, rows: Any, columns: Any) -> tuple[Codes, int]:
@@ -190,29 +190,29 @@ class SliceVerdicts:
         t, s = (
             powers(w(v), d) for w, v, d in zip(self.windows, (xs, ys), self.degrees, strict=True)
         )
-        for row, one in zip(signs, self.surfaces, strict=True):
+        for row, polynomial in zip(signs, self.surfaces, strict=True):
             left = np.flatnonzero(row == 0)
             if len(left):
-                row[left] = one.at(t[:, columns[left]], s[:, rows[left]])
-                self._twice(one, row, xs, ys, rows, columns)
-        found = self._codes(signs)
-        known: dict[tuple[int, int], int] = {}
-        for place in np.flatnonzero(found == 0):
+                row[left] = polynomial.at(t[:, columns[left]], s[:, rows[left]])
+                self._twice(polynomial, row, xs, ys, rows, columns)
+        codes = self._codes(signs)
+        by_place: dict[tuple[int, int], int] = {}
+        for place in np.flatnonzero(codes == 0):
             key = int(rows[place]), int(columns[place])
-            if key not in known:  # tiles that reach beyond the grid repeat its last cells
-                known[key] = self._exactly(float(xs[key[1]]), float(ys[key[0]]))
-            found[place] = known[key]
-        return found, len(known)
+            if key not in by_place:  # tiles that reach beyond the grid repeat its last cells
+                by_place[key] = self._exactly(float(xs[key[1]]), float(ys[key[0]]))
+            codes[place] = by_place[key]
+        return codes, len(by_place)
 
     def _twice(
-        self, one: Surface, row: Signs, xs: Floats, ys: Floats, rows: Any, columns: Any
+        self, polynomial: Surface, row: Signs, xs: Floats, ys: Floats, rows: Any, columns: Any
     ) -> None:
         """Signs that are open, from pairs of doubles."""
         left = np.flatnonzero(row == 0)
-        if len(left) and one.rest is not None:
+        if len(left) and polynomial.rest is not None:
             x, i = np.unique(xs[columns[left]], return_inverse=True)
             y, j = np.unique(ys[rows[left]], return_inverse=True)
-            row[left] = one.surely(self.windows[0].pairs(x), self.windows[1].pairs(y), j, i)
+            row[left] = polynomial.surely(self.windows[0].pairs(x), self.windows[1].pairs(y), j, i)
 
     def _exactly(self, x: float, y: float) -> int:
         """The flag of one cell by exact arithmetic, `ELSEWHERE` where the slice has none."""
@@ -226,9 +226,9 @@ class SliceVerdicts:
 
 def slice_verdicts(problem: Problem, axes: tuple[Axis, Axis]) -> SliceVerdicts | None:
     """Verdicts from the slice of a problem; None where it has none, or no conditions."""
-    found = slice_of(problem, axes[0].name, axes[1].name)
+    section = slice_of(problem, axes[0].name, axes[1].name)
     with suppress(NotExact):
-        return None if found is None else SliceVerdicts(problem, found, axes)
+        return None if section is None else SliceVerdicts(problem, section, axes)
     return None
 
 
@@ -257,7 +257,7 @@ def surface(poly: Any, windows: tuple[Window, Window]) -> Surface:
     )
 
 
-def _product(condition: Condition, signs: Any, count: int) -> Signs:
+def _product(condition: SignProduct, signs: Any, count: int) -> Signs:
     """Sign of a product of powers; 0 where one is open."""
     out: Signs = np.full(count, condition.sign, dtype=np.int8)
     for place, power in condition.powers:

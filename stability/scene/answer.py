@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 
 from .inputs import about, label, unit_of
 from .ladder import Climbed, Rung
-from .questions import QUESTIONS, UNKNOWN, Found, relative_error
+from .questions import QUESTIONS, UNKNOWN, Estimate, relative_error
 from .rungs.full import kept_until
-from .rungs.track import Finish, Problem, Track
+from .rungs.track import Finish, LaunchProblem, Track
 from .uncertain import Spread, apart
 
 FORMAT = "stability scene 1"
@@ -79,7 +79,7 @@ class Answer(Record):
     """Unit of each state and number, and the value at which its error begins to be relative."""
     citation: str = ""
     """Keys of the works to cite, for `stability.citation`."""
-    motion: tuple[Problem, Track] | None = field(default=None, repr=False, compare=False)
+    motion: tuple[LaunchProblem, Track] | None = field(default=None, repr=False, compare=False)
     """The dimensionless problem and its track; None where there is no motion."""
 
     @cached_property
@@ -109,19 +109,19 @@ class Answer(Record):
         asked = self.value if isinstance(self.value, dict) else {"": self.value}
         if "" not in asked and all(isinstance(v, float) for v in asked.values()):
             asked = {"": asked}
-        found = []
+        lines = []
         for name, value in asked.items():
             label = f"{name}: " if name else ""
             if isinstance(value, dict):
-                told = ", ".join(f"{n} = {self._with_unit(n, v, name)}" for n, v in value.items())
+                text = ", ".join(f"{n} = {self._with_unit(n, v, name)}" for n, v in value.items())
             elif isinstance(value, float):
-                told = self._with_unit(name or next(iter(self.measures), ""), value, name)
+                text = self._with_unit(name or next(iter(self.measures), ""), value, name)
             elif value is None or isinstance(value, str):
-                told = value or ("none" if math.isfinite(self._error(name)) else "not known")
+                text = value or ("none" if math.isfinite(self._error(name)) else "not known")
             else:
                 continue  # a path
-            found.append(f"  {label}{told}")
-        return found
+            lines.append(f"  {label}{text}")
+        return lines
 
     def _with_unit(self, name: str, value: float, quantity: str) -> str:
         """A number with its unit."""
@@ -161,8 +161,8 @@ class Answer(Record):
     def _body(self) -> str:
         """The report without the question."""
         if self.parts:
-            told = [f"{name}: {part._body()}" for name, part in self.parts.items()]
-            return "\n\n".join([self.sentence, *told])
+            texts = [f"{name}: {part._body()}" for name, part in self.parts.items()]
+            return "\n\n".join([self.sentence, *texts])
         ladder = self.ladder()
         return "\n".join([self.sentence, *self._values(), *([f"\n{ladder}"] if ladder else [])])
 
@@ -184,8 +184,8 @@ class Answer(Record):
             lines.append(f"{mark}{r.name:<{wide}}{r.dimension:>6}{cost:>12}{size:>11}  {r.why}")
             if r.indicators and r.indicators != before:  # the closed forms share theirs
                 before = r.indicators
-                told = ", ".join(f"{n} {v:.3g}" for n, v in r.indicators.items())
-                lines.append(f"{'':<{wide + 31}} {told}")
+                values = ", ".join(f"{n} {v:.3g}" for n, v in r.indicators.items())
+                lines.append(f"{'':<{wide + 31}} {values}")
         once = [f"{1e3 * r.built:.0f} ms for {r.name}" for r in self.rungs if r.built > 1e-3]
         lines += [f"  built once, not in the costs: {', '.join(once)}"] if once else []
         lines += [f"  {note}" for note in self.notes]
@@ -216,113 +216,118 @@ def single(values: Mapping[str, Any]) -> Any:
     return next(iter(values.values())) if len(values) == 1 else values
 
 
-def _measures(problem: Problem, names: Iterable[str]) -> dict[str, tuple[str, float]]:
+def _measures(problem: LaunchProblem, names: Iterable[str]) -> dict[str, tuple[str, float]]:
     """The unit and the size of 1 of each state, and of each number that was asked for."""
-    launches, found = problem.launches, {}
+    launches, measures = problem.launches, {}
     kinds = {n: QUESTIONS[n].kind for n in names}
     states = launches.model.states if {"final", "path"} & set(names) else ()
     sizes = launches.states_in_units(np.ones((1, len(launches.model.states))))[0]
     for name, size in zip(states, sizes.tolist(), strict=False):
-        found[name] = label(about(launches, name)), size
+        measures[name] = label(about(launches, name)), size
     for name, kind in kinds.items():
         if kind is not None:
-            found[name] = unit_of(launches, kind), float(launches.size(kind))
-    return found
+            measures[name] = unit_of(launches, kind), float(launches.size(kind))
+    return measures
 
 
-def tell(problem: Problem, found: Climbed, horizon: float) -> Answer:
+def tell(problem: LaunchProblem, climbed: Climbed, horizon: float) -> Answer:
     """The answer that a climb gives, in the user's units, as `horizon` is."""
-    if found.track is None:
-        name, said = found.rungs[-1].name, found.rungs[-1].why
+    if climbed.track is None:
+        name, said = climbed.rungs[-1].name, climbed.rungs[-1].why
         return Answer(
             None,
             "none",
             math.inf,
-            found.rungs,
+            climbed.rungs,
             0.0,
             f"{name} cannot answer: {said}.",
             problem.tolerance,
         )
-    track, clock = found.track, float(problem.launches.size(Kind.TIME))
-    values = {n: in_units(problem, n, one) for n, one in found.found.items()}
+    track, clock = climbed.track, float(problem.launches.size(Kind.TIME))
+    values = {n: in_units(problem, n, estimate) for n, estimate in climbed.estimates.items()}
     if "path" in values:
-        values["path"] = dataset(problem, track, found.model)
+        values["path"] = dataset(problem, track, climbed.model)
     lost = track.finish is not None and track.finish.kind in UNKNOWN
-    errors = {n: math.inf if lost else relative_error(one) for n, one in found.found.items()}
+    errors = {
+        n: math.inf if lost else relative_error(estimate)
+        for n, estimate in climbed.estimates.items()
+    }
     until = horizon if track.finish is None else float(track.finish.time) * clock
-    if not found.share <= 1:
+    if not climbed.share <= 1:
         until = min(until, kept_until(problem, track) * clock)
     return Answer(
         single(values),
-        found.model,
+        climbed.model,
         single(errors),
-        found.rungs,
+        climbed.rungs,
         until,
-        _sentence(problem, found, until),
+        _sentence(problem, climbed, until),
         problem.tolerance,
         notes=track.notes,
-        measures=_measures(problem, found.found),
+        measures=_measures(problem, climbed.estimates),
         motion=(problem, track),
     )
 
 
-def _sentence(problem: Problem, found: Climbed, until: float) -> str:
+def _sentence(problem: LaunchProblem, climb: Climbed, until: float) -> str:
     word = problem.launches.unit("time")
     unit = "" if word == "1" else f" {word}"
-    end = None if found.track is None else found.track.finish
-    size = f"{found.share:.2g} of the tolerance {problem.tolerance:g}"
-    if found.share <= 1:
-        text = f"{found.model} answers, with an estimated error of {size}"
+    end = None if climb.track is None else climb.track.finish
+    size = f"{climb.share:.2g} of the tolerance {problem.tolerance:g}"
+    if climb.share <= 1:
+        text = f"{climb.model} answers, with an estimated error of {size}"
         if end is not None:
             return f"{text}, until {until:.6g}{unit}: {end.kind}, {_ending(end)}."
         return f"{text}, to the horizon."
     why = f" ({end.kind}: {_ending(end)})" if end is not None else ""
-    short = "has no bound" if math.isinf(found.share) else f"is {found.share:.3g} times that"
-    who = found.model if found.alone else "No rung"
-    verb = "misses" if found.alone else "keeps"
+    short = "has no bound" if math.isinf(climb.share) else f"is {climb.share:.3g} times that"
+    who = climb.model if climb.alone else "No rung"
+    verb = "misses" if climb.alone else "keeps"
     return (
-        f"{who} {verb} the tolerance {problem.tolerance:g}: the error of {found.model} {short} at "
+        f"{who} {verb} the tolerance {problem.tolerance:g}: the error of {climb.model} {short} at "
         f"the horizon{why}; the answer holds until {until:.4g}{unit}."
     )
 
 
 def _ending(end: Finish) -> str:
     """An early end in words: that of its outcome, or the reason of the run."""
-    own = next((o.value for o in Outcome if o.word == end.kind), "")
+    reason = next((o.value for o in Outcome if o.word == end.kind), "")
     if end.kind in ("lift-off", "flat"):
-        return str(own).split(": ", 1)[1]
+        return str(reason).split(": ", 1)[1]
     return end.evidence
 
 
-def held_against(name: str, mine: tuple[Problem, Track], fine: tuple[Problem, Track]) -> float:
+def held_against(
+    name: str, mine: tuple[LaunchProblem, Track], fine: tuple[LaunchProblem, Track]
+) -> float:
     """The true error of a quantity of a track, against a finer one of the full model.
 
     A run that cannot be made finer is no truth of its own: then the error that it states counts.
     It is infinite where states are not those of the same time, or where the truth is not known.
     """
-    one, other = (QUESTIONS[name].find(*known) for known in (mine, fine))
+    coarse, truth = (QUESTIONS[name].find(*motion) for motion in (mine, fine))
     ends = [None if t.finish is None else t.finish.kind for _, t in (mine, fine)]
-    if ends[1] in UNKNOWN or (ends[0] != ends[1] and not isinstance(one.value, str)):
+    if ends[1] in UNKNOWN or (ends[0] != ends[1] and not isinstance(coarse.value, str)):
         return math.inf
-    far = apart(other.value, one.value)
-    return relative_error(other) if far == 0 and other.value is not None else far
+    far = apart(truth.value, coarse.value)
+    return relative_error(truth) if far == 0 and truth.value is not None else far
 
 
-def in_units(problem: Problem, name: str, found: Found) -> Any:
+def in_units(problem: LaunchProblem, name: str, estimate: Estimate) -> Any:
     """The value of a quantity in the user's units."""
     question = QUESTIONS[name]
-    if found.value is None or isinstance(found.value, str):
-        return found.value
+    if estimate.value is None or isinstance(estimate.value, str):
+        return estimate.value
     if question.name == "final":
-        states = problem.launches.states_in_units(found.value[None])[0]
+        states = problem.launches.states_in_units(estimate.value[None])[0]
         return dict(zip(problem.launches.model.states, states.tolist(), strict=True))
     if question.name == "path":
         return None  # the dataset of the answer
     assert question.kind is not None
-    return float(found.value) * float(problem.launches.size(question.kind))
+    return float(estimate.value) * float(problem.launches.size(question.kind))
 
 
-def dataset(problem: Problem, track: Track, model: str) -> xarray.Dataset:
+def dataset(problem: LaunchProblem, track: Track, model: str) -> xarray.Dataset:
     """The track as a labelled dataset: states over time with units, and `error` at each time."""
     import xarray
 

@@ -22,7 +22,7 @@ from .rungs.creep import applies
 from .rungs.drifting import DRIFT
 from .rungs.full import truth_of
 from .rungs.near_steady import CLOSED_FORMS, LINEARISED
-from .rungs.track import Problem, Track, relative
+from .rungs.track import LaunchProblem, Track, relative
 
 if TYPE_CHECKING:
     import xarray
@@ -89,8 +89,12 @@ def other_laws(units: Units, truth: Contact) -> dict[str, Contact]:
     speed, weight = (float(np.ravel(v)[0]) for v in (units.speed, units.force))
     mu, word = STIFF / speed, f", mu = {STIFF / speed:.3g}"
     if isinstance(truth, Viscous | LinearViscous):
-        given, word = truth.given, ""
-        mu = float(np.ravel(given["mu"])[0] if "mu" in given else np.ravel(given["c"])[0] / weight)
+        parameters, word = truth.given, ""
+        mu = float(
+            np.ravel(parameters["mu"])[0]
+            if "mu" in parameters
+            else np.ravel(parameters["c"])[0] / weight
+        )
     every: dict[str, Contact] = {
         "smooth": Smooth(),
         f"viscous{word}": Viscous(mu),
@@ -144,7 +148,7 @@ def chart(
     >>> data.model.values[data.chosen.values].tolist()
     ['linearised']
     """
-    scene, laws = _one(scene, laws)
+    scene, laws = _single_law(scene, laws)
     if scene.quantities[0] in LINEAR:
         raise ParameterError("a linear question has no chart; ask for a quantity of the motion.")
     problem = scene._problem(scene.contact)
@@ -154,7 +158,7 @@ def chart(
     _, truth = truth_of(problem)
     steps: list[Callable[[], Iterator[Row]]] = [
         lambda: _closed(scene, problem, truth),
-        lambda: _own(scene, problem, truth),
+        lambda: _reduced_rows(scene, problem, truth),
         lambda: _creep(scene, problem, truth),
         lambda: _full(scene, problem, truth),
         *(lambda n=n, law=law: _law(scene, problem, truth, n, law) for n, law in others.items()),
@@ -167,7 +171,7 @@ def chart(
     return _dataset(scene, problem, truth, rows)
 
 
-def _one(scene: Any, laws: Any) -> tuple[Any, Any]:
+def _single_law(scene: Any, laws: Any) -> tuple[Any, Any]:
     """A scene of one law, the first of several, and the laws to hold against it."""
     (_, truth), *rest = scene.subject.laws.items()
     if not rest:
@@ -177,7 +181,7 @@ def _one(scene: Any, laws: Any) -> tuple[Any, Any]:
     return replace(bare, uncertain=widths), dict(rest) if laws is None else laws
 
 
-def _others(scene: Any, problem: Problem, laws: Any) -> dict[str, Contact]:
+def _others(scene: Any, problem: LaunchProblem, laws: Any) -> dict[str, Contact]:
     """The other laws, checked."""
     if laws is None:
         return other_laws(problem.launches.units, scene.contact) if problem.touches else {}
@@ -203,22 +207,22 @@ def _timed(calls: Sequence[Callable[[], Any]], firsts: Sequence[float]) -> list[
 
     `firsts` are the times of the first calls, which compile and are not counted.
     """
-    found: list[list[float]] = [[] for _ in calls]
+    times: list[list[float]] = [[] for _ in calls]
     began = time.perf_counter()
     for turn in range(MOST):
         spent = time.perf_counter() - began
         if spent > LONG or (turn >= LEAST and spent > BUDGET):
             break
-        for call, first, mine in zip(calls, firsts, found, strict=True):
+        for call, first, mine in zip(calls, firsts, times, strict=True):
             if not mine or first < LONG / 2:
                 start = time.perf_counter()
                 call()
                 mine.append(time.perf_counter() - start)
-    return found
+    return times
 
 
 def _row(
-    scene: Any, problem: Problem, truth: Track, kind: str, only: str, *, name: str = ""
+    scene: Any, problem: LaunchProblem, truth: Track, kind: str, only: str, *, name: str = ""
 ) -> Row:
     """A model, run alone."""
 
@@ -226,15 +230,15 @@ def _row(
         return climb(replace(problem), scene.quantities, tuple(scene.models), only)
 
     began = time.perf_counter()
-    found = call()
+    climbed = call()
     first = time.perf_counter() - began
-    if found.track is None:
-        refused = found.rungs[-1]
+    if climbed.track is None:
+        refused = climbed.rungs[-1]
         return Row(name or only, kind, refused.dimension, why=refused.why)
-    rung = next(r for r in found.rungs if r.name == found.model)
-    error, why = true_error(found.track, truth)
-    estimate = math.nan if name else found.track.error  # of the states, as the true error
-    return Row(name or found.model, kind, rung.dimension, call, first, estimate, error, why)
+    rung = next(r for r in climbed.rungs if r.name == climbed.model)
+    error, why = true_error(climbed.track, truth)
+    estimate = math.nan if name else climbed.track.error  # of the states, as the true error
+    return Row(name or climbed.model, kind, rung.dimension, call, first, estimate, error, why)
 
 
 def true_error(mine: Track, truth: Track) -> tuple[float, str]:
@@ -244,11 +248,11 @@ def true_error(mine: Track, truth: Track) -> tuple[float, str]:
     """
     ends = [None if t.finish is None else t.finish.kind for t in (mine, truth)]
     if ends[0] != ends[1]:
-        told = [
+        endings = [
             "the motion lasts" if t.finish is None else f"{t.finish.kind} at {t.finish.time:.4g}"
             for t in (mine, truth)
         ]
-        return math.inf, f"{told[0]}; truly, {told[1]}"
+        return math.inf, f"{endings[0]}; truly, {endings[1]}"
     if mine.finish is not None and truth.finish is not None:
         late = abs(mine.finish.time - truth.finish.time) / max(1.0, truth.finish.time)
     else:
@@ -266,7 +270,7 @@ def true_error(mine: Track, truth: Track) -> tuple[float, str]:
     return max(late, float(far.max())), ""
 
 
-def _closed(scene: Any, problem: Problem, truth: Track) -> Iterator[Row]:
+def _closed(scene: Any, problem: LaunchProblem, truth: Track) -> Iterator[Row]:
     """The closed forms near a steady motion, and the drift where there is one."""
     for name in (LINEARISED,) if problem.launches.dry else (*CLOSED_FORMS, DRIFT):
         row = _row(scene, problem, truth, KINDS[0], name)
@@ -274,24 +278,24 @@ def _closed(scene: Any, problem: Problem, truth: Track) -> Iterator[Row]:
             yield row
 
 
-def _own(scene: Any, problem: Problem, truth: Track) -> Iterator[Row]:
+def _reduced_rows(scene: Any, problem: LaunchProblem, truth: Track) -> Iterator[Row]:
     """The reduced models of a user's system."""
     for model in scene.models:
         yield _row(scene, problem, truth, KINDS[1], model.name)
 
 
-def _creep(scene: Any, problem: Problem, truth: Track) -> Iterator[Row]:
+def _creep(scene: Any, problem: LaunchProblem, truth: Track) -> Iterator[Row]:
     """Orders of creep: lower ones, each at its own error, the lowest fine one, and the next."""
     kind = KINDS[2]
     if not applies(problem):
         return
-    found = climb(problem, scene.quantities, (), "creep")
-    sizes = {r.name: r.estimate * problem.tolerance for r in found.rungs}
-    if found.track is None:
-        yield Row("creep", kind, found.rungs[-1].dimension, why=found.rungs[-1].why)
+    climbed = climb(problem, scene.quantities, (), "creep")
+    sizes = {r.name: r.estimate * problem.tolerance for r in climbed.rungs}
+    if climbed.track is None:
+        yield Row("creep", kind, climbed.rungs[-1].dimension, why=climbed.rungs[-1].why)
         return
-    done = {found.model}
-    for size in (e for n, e in sizes.items() if n != found.model and e <= LOOSEST):
+    done = {climbed.model}
+    for size in (e for n, e in sizes.items() if n != climbed.model and e <= LOOSEST):
         coarse = replace(problem, tolerance=max(JUST_ABOVE * size, problem.tolerance))
         row = _row(scene, coarse, truth, kind, "creep")
         if row.name not in done:
@@ -306,12 +310,14 @@ def _creep(scene: Any, problem: Problem, truth: Track) -> Iterator[Row]:
             yield further
 
 
-def _full(scene: Any, problem: Problem, truth: Track) -> Iterator[Row]:
+def _full(scene: Any, problem: LaunchProblem, truth: Track) -> Iterator[Row]:
     """The full model at the tolerance of the scene."""
     yield _row(scene, problem, truth, KINDS[3], problem.launches.name)
 
 
-def _law(scene: Any, problem: Problem, truth: Track, name: str, law: Contact) -> Iterator[Row]:
+def _law(
+    scene: Any, problem: LaunchProblem, truth: Track, name: str, law: Contact
+) -> Iterator[Row]:
     """Another law in place of the truth."""
     first, comma, rest = name.partition(",")
     title = f"{first} law{comma}{rest}"
@@ -330,7 +336,7 @@ def _law(scene: Any, problem: Problem, truth: Track, name: str, law: Contact) ->
 # --- dataset ---
 
 
-def _dataset(scene: Any, problem: Problem, truth: Track, rows: list[Row]) -> xarray.Dataset:
+def _dataset(scene: Any, problem: LaunchProblem, truth: Track, rows: list[Row]) -> xarray.Dataset:
     import xarray
 
     answer, bare = scene.answer(), replace(scene, uncertain={})
@@ -391,12 +397,14 @@ def _what(scene: Any) -> str:
     return f"largest error of the states {where}, each over 1 or its own size"
 
 
-def _attributes(scene: Any, problem: Problem, answer: Any) -> dict[str, Any]:
+def _attributes(scene: Any, problem: LaunchProblem, answer: Any) -> dict[str, Any]:
     launches = problem.launches
     states = zip(launches.model.states, launches.states_in_units(launches.starts)[0], strict=True)
-    given = {n: float(np.ravel(v)[0]) for n, v in launches.given.items()}
+    numbers = {n: float(np.ravel(v)[0]) for n, v in launches.given.items()}
     if launches.dimensionless:  # units of the body
-        given = {n: v for n, v in given.items() if n not in ("mass", "radius", "length", "gravity")}
+        numbers = {
+            n: v for n, v in numbers.items() if n not in ("mass", "radius", "length", "gravity")
+        }
     return {
         "format": FORMAT,
         "title": f"models of {launches.model.title}: cost against true error",
@@ -407,7 +415,7 @@ def _attributes(scene: Any, problem: Problem, answer: Any) -> dict[str, Any]:
         "uncertain": ", ".join(
             scene.subject.width_in_words(n, v) for n, v in scene.uncertain.items()
         ),
-        "parameters": json.dumps(given),
+        "parameters": json.dumps(numbers),
         "start": json.dumps({n: float(v) for n, v in states}),
         "sentence": answer.sentence,
         "truth": "the full model at a tolerance 1000 times finer",

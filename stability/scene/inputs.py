@@ -102,9 +102,9 @@ class BodySubject(SceneSubject):
 
     def inputs(self, *laws: Any) -> tuple[str, ...]:
         """States, numbers of the body, parameters of the laws, coefficients of resistances."""
-        own = [n for law in laws or self.laws.values() for n in law.given]
-        own += [r.coefficient for r in self.against]
-        return tuple(dict.fromkeys((*self.states, *self.numbers, *own)))
+        names = [n for law in laws or self.laws.values() for n in law.given]
+        names += [r.coefficient for r in self.against]
+        return tuple(dict.fromkeys((*self.states, *self.numbers, *names)))
 
     def changed(self, law: Any, start: Any, moved: Mapping[str, float]) -> tuple[Any, ...]:
         """Numbers and coefficients change by a share, states by a number."""
@@ -144,9 +144,9 @@ class BodySubject(SceneSubject):
             f"{n} = {_digits(v)} {'' if units.get(n) == '1' else units.get(n, '')}".strip()
             for n, v in law.given.items()
         ]
-        own = f"law {name}: {law.name}" if name and name != law.name else f"law {law.name}"
-        own += f" ({law.formula})" if law.formula else ""
-        return ", ".join([own, *parameters])
+        text = f"law {name}: {law.name}" if name and name != law.name else f"law {law.name}"
+        text += f" ({law.formula})" if law.formula else ""
+        return ", ".join([text, *parameters])
 
     def attributes(self, name: str) -> dict[str, str]:
         """Name in words and units of a state or of the time."""
@@ -344,11 +344,11 @@ def _along_fixed_axes(launches: Starts) -> Starts:
     return replace(launches, model=fixed, starts=starts, settling=settling)
 
 
-def _named(given: Any, names: Sequence[str]) -> dict[str, Any]:
+def _named(values: Any, names: Sequence[str]) -> dict[str, Any]:
     """Numbers by name, from a mapping or a sequence."""
-    if isinstance(given, Mapping):
-        return dict(given)
-    return dict(zip(names, np.ravel(np.asarray(given, dtype=float)).tolist(), strict=False))
+    if isinstance(values, Mapping):
+        return dict(values)
+    return dict(zip(names, np.ravel(np.asarray(values, dtype=float)).tolist(), strict=False))
 
 
 def _moved(start: Any, names: Sequence[str], moved: Mapping[str, float]) -> dict[str, Any]:

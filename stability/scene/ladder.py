@@ -19,14 +19,14 @@ from ..base.checks import known
 from ..base.types import Record
 from ..integrators.flow import Flow
 from ..integrators.selection import HEYOKA, METHODS, TURN_POWER, explicit
-from .questions import QUESTIONS, UNKNOWN, Found, relative_error
+from .questions import QUESTIONS, UNKNOWN, Estimate, relative_error
 from .rungs.creep import MOST_ORDERS, applies
 from .rungs.creeping import Work, creeping, name_of
 from .rungs.drifting import DRIFT, ROLLING, drifting
 from .rungs.full import COARSEST, FINEST, STIFF, full
 from .rungs.near_steady import CLOSED_FORMS, LINEARISED, near_steady
 from .rungs.reduced import ReducedModel, reduced
-from .rungs.track import Problem, Refused, Track, decade
+from .rungs.track import LaunchProblem, Refused, Track, decade
 
 STEP = {HEYOKA: 1.5e-6, "dop853": 2e-4}
 """Time of a step of an explicit method [s]."""
@@ -114,7 +114,7 @@ class Climbed:
     """Name of the rung that was taken."""
     track: Track | None
     """Its track; None where the one rung that was asked for does not apply."""
-    found: dict[str, Found]
+    estimates: dict[str, Estimate]
     """Each quantity that was asked for."""
     rungs: tuple[Rung, ...]
     """All rungs in order."""
@@ -124,25 +124,27 @@ class Climbed:
     """Whether this rung alone was asked for."""
 
 
-def shares(problem: Problem, track: Track, names: Sequence[str]) -> tuple[dict[str, Found], float]:
+def shares(
+    problem: LaunchProblem, track: Track, names: Sequence[str]
+) -> tuple[dict[str, Estimate], float]:
     """Each quantity of a track, and the largest error over its tolerance: 1 is fine enough."""
-    found, share = {}, 0.0
+    estimates, share = {}, 0.0
     for name in names:
-        one = found[name] = QUESTIONS[name].find(problem, track)
-        share = max(share, relative_error(one) / problem.tolerance)
+        estimate = estimates[name] = QUESTIONS[name].find(problem, track)
+        share = max(share, relative_error(estimate) / problem.tolerance)
     if track.finish is not None and track.finish.kind in UNKNOWN:
         share = math.inf  # the model gave up on the way
-    return found, share
+    return estimates, share
 
 
-def rungs_of(problem: Problem, models: Sequence[ReducedModel]) -> tuple[str, ...]:
+def rungs_of(problem: LaunchProblem, models: Sequence[ReducedModel]) -> tuple[str, ...]:
     """Names of all rungs that may be asked for."""
     orders = ("creep", *ORDERS) if applies(problem) else ()
-    own = [m.name for m in models]
-    return tuple(dict.fromkeys((*CLOSED_FORMS, DRIFT, *own, *orders, problem.launches.name)))
+    labels = [m.name for m in models]
+    return tuple(dict.fromkeys((*CLOSED_FORMS, DRIFT, *labels, *orders, problem.launches.name)))
 
 
-def price_of_full(problem: Problem, length: float | None = None) -> float:
+def price_of_full(problem: LaunchProblem, length: float | None = None) -> float:
     """Expected time of the full model with its neighbours [s], over a dimensionless length."""
     name, length = explicit(problem.flow), problem.last if length is None else length
     turns = length * problem.pace * min(1.0, max(CALM, problem.near.distance / LIVELY))
@@ -158,7 +160,7 @@ def price_of_full(problem: Problem, length: float | None = None) -> float:
 
 
 def climb(
-    problem: Problem,
+    problem: LaunchProblem,
     names: Sequence[str],
     models: Sequence[ReducedModel] = (),
     only: str | None = None,
@@ -172,65 +174,65 @@ def climb(
     built programs.
     """
     seen, key = _SEEN.setdefault(problem.flow, set()), (decade(problem.tolerance), only)
-    found = _climb(problem, names, models, only)
-    spent = sum(r.cost for r in found.rungs)
-    due = ALWAYS + sum(r.price for r in found.rungs if r.cost)
+    climbed = _climb(problem, names, models, only)
+    spent = sum(r.cost for r in climbed.rungs)
+    due = ALWAYS + sum(r.price for r in climbed.rungs if r.cost)
     if measured and key not in seen and MOSTLY * due < spent < LONG:
         again = _climb(replace(problem), names, models, only).rungs  # nothing is kept but programs
-        pairs = [(r, min(r.cost, a.cost)) for r, a in zip(found.rungs, again, strict=True)]
-        found.rungs = tuple(replace(r, cost=cost, built=r.cost - cost) for r, cost in pairs)
+        pairs = [(r, min(r.cost, a.cost)) for r, a in zip(climbed.rungs, again, strict=True)]
+        climbed.rungs = tuple(replace(r, cost=cost, built=r.cost - cost) for r, cost in pairs)
     seen.add(key)
-    return found
+    return climbed
 
 
 def _climb(
-    problem: Problem, names: Sequence[str], models: Sequence[ReducedModel], only: str | None
+    problem: LaunchProblem, names: Sequence[str], models: Sequence[ReducedModel], only: str | None
 ) -> Climbed:
     if only is not None:
         known("only", only, rungs_of(problem, models))
     ladder = _Ladder(problem, tuple(names), only)
     steps: list[Callable[[], None]] = [partial(_near, ladder), partial(_drift, ladder)]
-    steps += [partial(_own, ladder, m) for m in models if only in (None, m.name)]
+    steps += [partial(_reduced_rung, ladder, m) for m in models if only in (None, m.name)]
     steps += [partial(_creep, ladder), partial(_full, ladder)]
     for step in steps:
         step()
     if ladder.taken is None:
         return Climbed("none", None, {}, tuple(ladder.rungs), math.inf)
-    name, track, found, share = ladder.taken
-    return Climbed(name, track, found, tuple(ladder.rungs), share, only is not None)
+    name, track, estimates, share = ladder.taken
+    return Climbed(name, track, estimates, tuple(ladder.rungs), share, only is not None)
 
 
 @dataclass(eq=False)
 class _Ladder:
     """A climb under way."""
 
-    problem: Problem
+    problem: LaunchProblem
     names: tuple[str, ...]
     only: str | None
     rungs: list[Rung] = field(default_factory=list)
-    taken: tuple[str, Track, dict[str, Found], float] | None = None
+    taken: tuple[str, Track, dict[str, Estimate], float] | None = None
 
     def asked(self, *names: str) -> bool:
         """Whether one of these rungs is to be tried."""
         return self.taken is None and (self.only is None or self.only in names)
 
     def note(
-        self, name: str, dimension: int, began: float, price: float, told: Track | Refused
+        self, name: str, dimension: int, began: float, price: float, outcome: Track | Refused
     ) -> None:
         """Record a rung, and take it if it is fine enough."""
-        if isinstance(told, Refused):
-            share, fine, why = math.inf, False, told.why
+        if isinstance(outcome, Refused):
+            share, fine, why = math.inf, False, outcome.why
         else:
-            found, share = shares(self.problem, told, self.names)
+            estimates, share = shares(self.problem, outcome, self.names)
             fine = share <= 1 or self.only is not None
             why = "asked for" if self.only else "the cheapest whose error is below the tolerance"
             if not fine:
                 many = f"its error is {share:.3g} times the tolerance"
                 why = many if share < math.inf else "not known"
             if fine:
-                self.taken = name, told, found, share
+                self.taken = name, outcome, estimates, share
         cost = _since(began)
-        self.rungs.append(Rung(name, dimension, cost, price, share, fine, why, told.indicators))
+        self.rungs.append(Rung(name, dimension, cost, price, share, fine, why, outcome.indicators))
 
 
 def _since(began: float) -> float:
@@ -276,7 +278,7 @@ def _drift(ladder: _Ladder) -> None:
         ladder.note(DRIFT, 0, began, 0.0, drifting(problem))
 
 
-def _own(ladder: _Ladder, model: ReducedModel) -> None:
+def _reduced_rung(ladder: _Ladder, model: ReducedModel) -> None:
     """A user's reduced model."""
     if not ladder.asked(model.name):
         return
@@ -329,7 +331,7 @@ def _creep(ladder: _Ladder) -> None:
     ladder.note("creep" if isinstance(track, Refused) else name, states, began, price, track)
 
 
-def _price_of_creep(problem: Problem) -> float:
+def _price_of_creep(problem: LaunchProblem) -> float:
     """Expected time of creep [s]."""
     elements = problem.last * problem.pace * CREEP_TURN
     gain = math.log(max(problem.friction / (GAIN * problem.pace), 1.5))
@@ -352,7 +354,7 @@ def _full(ladder: _Ladder) -> None:
         return
     began = time.perf_counter()
     track = full(problem)
-    found, share = shares(problem, track, ladder.names)
+    estimates, share = shares(problem, track, ladder.names)
     for _ in range(FINER):
         if not 1 < share < math.inf or track.errors[-1] <= FINEST * 1e2:
             break
@@ -360,10 +362,10 @@ def _full(ladder: _Ladder) -> None:
         other = shares(problem, finer, ladder.names)
         if other[1] >= share:
             break
-        track, (found, share) = finer, other
+        track, (estimates, share) = finer, other
     why = "the full model; no cheaper one is fine enough" if ladder.only is None else "asked for"
     if share > 1:
         why = "the full model, and its own error is above the tolerance"
     cost = _since(began)
     ladder.rungs.append(Rung(name, problem.own, cost, whole, share, True, why, track.indicators))
-    ladder.taken = name, track, found, share
+    ladder.taken = name, track, estimates, share

@@ -15,7 +15,7 @@ from ..base.types import Floats
 from ..integrators.selection import works_of as integrators_cited
 from .answer import Answer, single
 from .inputs import SceneSubject
-from .rungs.track import Problem, Track, relative
+from .rungs.track import LaunchProblem, Track, relative
 from .uncertain import apart as distance
 
 SHOWN = 5
@@ -36,26 +36,26 @@ def compare(
     has no answer.  The answer holds until two laws differ by more than the tolerance, or one answer
     no longer holds.
     """
-    known = {n: a for n, a in parts.items() if a.motion is not None}
+    answered = {n: a for n, a in parts.items() if a.motion is not None}
     sentences, apart, until, same = [], 0.0, horizon, []
-    plain = all(a.motion[0].launches.dimensionless for a in known.values() if a.motion)
+    plain = all(a.motion[0].launches.dimensionless for a in answered.values() if a.motion)
     unit = "" if plain else " s"
-    for one, other in combinations(known, 2):
-        when, far = _parted(known[one], known[other], tolerance)
+    for first, second in combinations(answered, 2):
+        when, far = _parted(answered[first], answered[second], tolerance)
         apart = max(apart, far)
         if when is not None:
             until = min(until, when)
             sentences.append(
-                f"{one} and {other} differ from {when:.4g}{unit} on, by {far:.3g} at the end"
+                f"{first} and {second} differ from {when:.4g}{unit} on, by {far:.3g} at the end"
             )
         else:
-            same.append(f"{one} and {other} agree within the tolerance {tolerance:g}")
+            same.append(f"{first} and {second} agree within the tolerance {tolerance:g}")
     lost = [f"{n}: {a.sentence.rstrip('.')}" for n, a in parts.items() if a.model == "none"]
     words = [*same, *sentences][:SHOWN]
-    if not known:  # linear questions
+    if not answered:  # linear questions
         words = [f"{n}: {a.sentence.rstrip('.')}" for n, a in parts.items() if a.model != "none"]
         apart = max((_different(*two) for two in combinations(parts.values(), 2)), default=0.0)
-    elif len(known) > 1 and not sentences:
+    elif len(answered) > 1 and not sentences:
         words = [f"all laws agree within the tolerance {tolerance:g}"]
     if lost:  # nothing is known of how far such a law is from the others
         apart = math.inf
@@ -86,8 +86,8 @@ def _weighed(
             words: dict[str, float] = {}
             for n, v in each.items():
                 words[v] = words.get(v, 0.0) + weights[n]
-            told = ", ".join(f"{v} {w:.0%}" for v, w in words.items())
-            said.append(f"{name} by weight: {told}")
+            listing = ", ".join(f"{v} {w:.0%}" for v, w in words.items())
+            said.append(f"{name} by weight: {listing}")
         elif all(isinstance(v, float) for v in each.values()):
             mean = sum(weights[n] * v for n, v in each.items())
             spread = math.sqrt(sum(weights[n] * (v - mean) ** 2 for n, v in each.items()))
@@ -95,9 +95,9 @@ def _weighed(
     return said
 
 
-def _different(one: Answer, other: Answer) -> float:
+def _different(first: Answer, second: Answer) -> float:
     """The largest difference of the values of two linear answers, over 1 or their size."""
-    pairs = [[a.value if isinstance(a.value, dict) else {"": a.value} for a in (one, other)]]
+    pairs = [[a.value if isinstance(a.value, dict) else {"": a.value} for a in (first, second)]]
     return max((distance(a[n], b[n]) for a, b in pairs for n in a if n in b), default=0.0)
 
 
@@ -108,16 +108,18 @@ def _asked(answer: Answer, quantities: Sequence[str]) -> Any:
     return single({n: v for n, v in answer.value.items() if n != "path"})
 
 
-def _parted(one: Answer, other: Answer, tolerance: float) -> tuple[float | None, float]:
+def _parted(first: Answer, second: Answer, tolerance: float) -> tuple[float | None, float]:
     """Time from which two motions differ by more than the tolerance, and how far at the end.
 
     The time is None where they never do.  Two motions that end at different times part at the
     earlier end.
     """
-    assert one.motion is not None
-    assert other.motion is not None
-    alike = one.motion[0].launches.model.states == other.motion[0].launches.model.states
-    (s, a), (t, b) = (_states(*motion, angles=not alike) for motion in (one.motion, other.motion))
+    assert first.motion is not None
+    assert second.motion is not None
+    alike = first.motion[0].launches.model.states == second.motion[0].launches.model.states
+    (s, a), (t, b) = (
+        _states(*motion, angles=not alike) for motion in (first.motion, second.motion)
+    )
     both = min(len(a), len(b))
     same = np.isclose(s[:both], t[:both], rtol=1e-9, atol=0)
     both = int(np.argmin(same)) if not same.all() else both
@@ -130,7 +132,7 @@ def _parted(one: Answer, other: Answer, tolerance: float) -> tuple[float | None,
     return None, float(far[-1])
 
 
-def _states(problem: Problem, track: Track, *, angles: bool) -> tuple[Floats, Floats]:
+def _states(problem: LaunchProblem, track: Track, *, angles: bool) -> tuple[Floats, Floats]:
     """Times in the user's unit, and the dimensionless states that all laws share: no slip.
 
     `angles` says whether a motion along fixed axes is told in the angles, as under another law.

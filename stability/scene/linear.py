@@ -19,8 +19,8 @@ from ..spectra.spectrum import spectrum
 from .answer import Answer, single
 from .inputs import SceneSubject, unit_of
 from .ladder import Rung
-from .questions import QUESTIONS, Found, Question, relative_error
-from .rungs.track import Problem
+from .questions import QUESTIONS, Estimate, Question, relative_error
+from .rungs.track import LaunchProblem
 
 DOUBLE, CERTIFIED, EXACT = "double precision", "certified", "exact roots"
 SPAN = 8.0
@@ -30,7 +30,7 @@ POINTS = 201
 
 
 @dataclass(frozen=True, eq=False)
-class Member:
+class SteadyMotion:
     """A steady motion that a linear question is about, with the arguments of `spectrum`."""
 
     family: Any
@@ -43,36 +43,38 @@ class Member:
     """Open interval of θ in which the body has members [rad]."""
 
 
-def _spectrum(member: Member, certify: bool) -> Spectrum:  # noqa: FBT001
+def _spectrum(member: SteadyMotion, certify: bool) -> Spectrum:  # noqa: FBT001
     return spectrum(
         member.family, at=member.at, certify=certify, escalate=False, **member.arguments
     )
 
 
-def _verdict(member: Member, certify: bool) -> tuple[Found, str]:  # noqa: FBT001
+def _verdict(member: SteadyMotion, certify: bool) -> tuple[Estimate, str]:  # noqa: FBT001
     s = _spectrum(member, certify)
     error = math.inf if s.verdict is Verdict.UNDECIDED else 0.0
-    return Found(s.verdict.word, error), s.reason
+    return Estimate(s.verdict.word, error), s.reason
 
 
-def _growth_rate(member: Member, certify: bool) -> tuple[Found, str]:  # noqa: FBT001
+def _growth_rate(member: SteadyMotion, certify: bool) -> tuple[Estimate, str]:  # noqa: FBT001
     s = _spectrum(member, certify)
-    return Found(float(s.abscissa), float(s.abscissa_error)), s.reason
+    return Estimate(float(s.abscissa), float(s.abscissa_error)), s.reason
 
 
-def _boundary(member: Member, certify: bool) -> tuple[Found, str]:  # noqa: FBT001, ARG001
+def _boundary(member: SteadyMotion, certify: bool) -> tuple[Estimate, str]:  # noqa: FBT001, ARG001
     """The nearest value of `at` at which the verdict changes."""
     low, high = sorted((member.at / SPAN, member.at * SPAN))
     if named_by(member.family) is Kind.ANGLE:
         first, last = member.between
         inside = 1e-9 * (last - first)
         low, high = max(first + inside, low), min(last - inside, high)
-    found = boundaries(member.family, axis=("at", low, high, POINTS), **member.arguments)
-    if not found:
-        error = 0.0 if found.complete else math.inf
-        return Found(None, error, f"no change of verdict from {low:.4g} to {high:.4g}"), found.how
-    near = min(found, key=lambda point: abs(point.value - member.at))
-    return Found(float(near.value), float(near.error)), f"{near.crossing.value}; {found.how}"
+    changes = boundaries(member.family, axis=("at", low, high, POINTS), **member.arguments)
+    if not changes:
+        error = 0.0 if changes.complete else math.inf
+        return Estimate(
+            None, error, f"no change of verdict from {low:.4g} to {high:.4g}"
+        ), changes.how
+    near = min(changes, key=lambda point: abs(point.value - member.at))
+    return Estimate(float(near.value), float(near.error)), f"{near.crossing.value}; {changes.how}"
 
 
 @dataclass(frozen=True)
@@ -81,7 +83,7 @@ class LinearQuestion:
 
     name: str
     """Its name, in `quantities` of a scene and of its file."""
-    find: Callable[[Member, bool], tuple[Found, str]]
+    find: Callable[[SteadyMotion, bool], tuple[Estimate, str]]
     """Function of (member, whether to certify) that finds it, with its reason in words."""
     rungs: tuple[str, ...]
     """Routes to it, cheapest first."""
@@ -119,7 +121,7 @@ EVERY: Mapping[str, Question | LinearQuestion] = ChainMap(LINEAR, QUESTIONS)  # 
 
 
 def about_nearest(
-    problem: Problem,
+    problem: LaunchProblem,
     subject: SceneSubject,
     law: Any,
     names: tuple[str, ...],
@@ -140,8 +142,8 @@ def about_nearest(
     at = near.at * float(launches.size(named_by(near.family)))
     call = next(v.call for v in launches.settling.lines if v.name == near.family)
     arguments = {"body": subject.moving, "contact": law} | dict(call)
-    member = Member(arguments.pop("family"), at, arguments, subject.between)
-    quantities: dict[str, Found] = {}
+    member = SteadyMotion(arguments.pop("family"), at, arguments, subject.between)
+    quantities: dict[str, Estimate] = {}
     rungs: list[Rung] = []
     taken, said = [], []
     for name in names:
@@ -167,14 +169,14 @@ def about_nearest(
 
 
 def _climb(
-    member: Member, name: str, tolerance: float, unit: float, only: str | None
-) -> tuple[list[Rung], tuple[Found, str]]:
+    member: SteadyMotion, name: str, tolerance: float, unit: float, only: str | None
+) -> tuple[list[Rung], tuple[Estimate, str]]:
     """The rungs of one question up to the first that is fine enough, and what that has found."""
     order = LINEAR[name].rungs
     if only is not None and only not in order:
         raise ParameterError(f"only is {only!r}; the rungs of {name} are {', '.join(order)}.")
     rungs: list[Rung] = []
-    answer: tuple[Found, str] | None = None
+    answer: tuple[Estimate, str] | None = None
     for rung in order if only is None else (only,):
         if answer is not None:
             rungs.append(Rung(rung, 0, 0.0, 0.0, math.inf, False, f"{name}: not needed"))

@@ -18,7 +18,7 @@ from ..motion.error_estimate import signs
 from ..settling.fixed_axes import STATES
 from ..settling.settling import Nearest, is_close, last_outside
 from .rungs.elements import chebyshev, coefficients
-from .rungs.track import Problem, Track
+from .rungs.track import LaunchProblem, Track
 
 SECTIONS, ROUNDS = 16, 13
 """Parts into which an interval with a turn of the tilt is cut, so many times: 16^13 parts are the
@@ -36,7 +36,7 @@ UNKNOWN = ("unresolved", "undetermined", "non-unique")
 
 
 @dataclass(frozen=True, eq=False)
-class Found:
+class Estimate:
     """The value of a quantity, dimensionless, with its error."""
 
     value: Any
@@ -47,46 +47,46 @@ class Found:
     """What the value means, where that is not plain."""
 
 
-def relative_error(found: Found, unit: float = 1.0) -> float:
+def relative_error(estimate: Estimate, unit: float = 1.0) -> float:
     """The error of a value, over its size or a dimensionless 1 in its unit."""
-    size = abs(found.value) if isinstance(found.value, float) else unit
-    return float(found.error / max(unit, size))
+    size = abs(estimate.value) if isinstance(estimate.value, float) else unit
+    return float(estimate.error / max(unit, size))
 
 
-def final(problem: Problem, track: Track) -> Found:  # noqa: ARG001
+def final(problem: LaunchProblem, track: Track) -> Estimate:  # noqa: ARG001
     """The states at the horizon or at the end before it."""
-    return Found(track.states[-1], float(track.errors[-1]))
+    return Estimate(track.states[-1], float(track.errors[-1]))
 
 
-def path(problem: Problem, track: Track) -> Found:  # noqa: ARG001
+def path(problem: LaunchProblem, track: Track) -> Estimate:  # noqa: ARG001
     """The states at all times asked for."""
-    return Found(track.states, track.error)
+    return Estimate(track.states, track.error)
 
 
-def outcome(problem: Problem, track: Track) -> Found:
+def outcome(problem: LaunchProblem, track: Track) -> Estimate:
     """What has become of the launch, as a word of `Outcome`."""
     if track.finish is not None:
         sure = track.finish.kind not in UNKNOWN and np.isfinite(track.finish.error)
-        return Found(track.finish.kind, 0.0 if sure else math.inf, track.finish.evidence)
+        return Estimate(track.finish.kind, 0.0 if sure else math.inf, track.finish.evidence)
     if not np.isfinite(track.errors[-1]):
-        return Found("unresolved", math.inf, "the error of the end has no bound")
+        return Estimate("unresolved", math.inf, "the error of the end has no bound")
     [near] = _near(problem, track)
     sides = [near.settled]
     room = float(np.linalg.norm(track.errors[-1] * np.maximum(1.0, np.abs(track.states[-1]))))
     here, there = is_close(np.array([near.distance, near.distance + room]), problem.settle)
     if room > SMALL * near.reach or here != there:
-        sides += [one.settled for one in _near(problem, track, SIDES)]
+        sides += [side.settled for side in _near(problem, track, SIDES)]
     if len(set(sides)) > 1:
         said = "settling is proved for the end, and not for another within its error"
-        return Found("undetermined", math.inf, said)
-    return Found("settled" if near.settled else "moving", 0.0, near.evidence)
+        return Estimate("undetermined", math.inf, said)
+    return Estimate("settled" if near.settled else "moving", 0.0, near.evidence)
 
 
-def settling_time(problem: Problem, track: Track) -> Found:
+def settling_time(problem: LaunchProblem, track: Track) -> Estimate:
     """The time from which the motion stays within `settle` of the family on which it settles."""
     word = outcome(problem, track)
     if word.value != "settled":
-        return Found(None, word.error, f"it has not settled: {word.says}")
+        return Estimate(None, word.error, f"it has not settled: {word.says}")
     [near] = _near(problem, track)
     settling, p = problem.launches.settling, problem.p
     apart = settling.distances(track.states, p, near)
@@ -95,11 +95,15 @@ def settling_time(problem: Problem, track: Track) -> Found:
         _last_outside(problem, track, near, apart + shift) for shift in (wide, 0 * wide, -wide)
     )
     if late is None or when is None or early is None:
-        return Found(None, math.inf, "its error is larger than the distance that counts as settled")
-    return Found(when, max(late - when, when - early))
+        return Estimate(
+            None, math.inf, "its error is larger than the distance that counts as settled"
+        )
+    return Estimate(when, max(late - when, when - early))
 
 
-def _last_outside(problem: Problem, track: Track, near: Nearest, apart: Floats) -> float | None:
+def _last_outside(
+    problem: LaunchProblem, track: Track, near: Nearest, apart: Floats
+) -> float | None:
     """The last time at which a distance is above `settle`; 0 for never, None for at the end."""
     i = last_outside(apart, problem.settle)
     if i < 0:
@@ -127,17 +131,17 @@ def _crossing(times: Floats, values: Floats) -> float:
     return float(times[0] + (times[-1] - times[0]) / 2 * (1 + x))
 
 
-def _end_time(kind: str, says: str, problem: Problem, track: Track) -> Found:  # noqa: ARG001
+def _end_time(kind: str, says: str, problem: LaunchProblem, track: Track) -> Estimate:  # noqa: ARG001
     """The time of an end of one kind; `says` is why there is none."""
     end = track.finish
     if end is not None and end.kind == kind:
-        return Found(float(end.time), float(end.error))
+        return Estimate(float(end.time), float(end.error))
     if end is not None and end.kind in UNKNOWN:
-        return Found(None, math.inf, end.evidence)
-    return Found(None, 0.0 if np.isfinite(track.error) else math.inf, says)
+        return Estimate(None, math.inf, end.evidence)
+    return Estimate(None, 0.0 if np.isfinite(track.error) else math.inf, says)
 
 
-def largest_tilt(problem: Problem, track: Track) -> Found:  # noqa: ARG001
+def largest_tilt(problem: LaunchProblem, track: Track) -> Estimate:  # noqa: ARG001
     """The largest |π/2 - θ| on the way."""
     if track.states.shape[-1] == len(STATES):  # along fixed axes
         best, at = _largest(track, _rise)
@@ -145,11 +149,11 @@ def largest_tilt(problem: Problem, track: Track) -> Found:  # noqa: ARG001
         far = math.hypot(across, along)
         lost = ROUNDED / max(far, math.sqrt(ROUNDED))  # near a pole the sine hardly changes
         size = math.sqrt(len(AXIS)) * float(track.errors.max(initial=0.0))
-        return Found(math.atan2(abs(up), far), size + lost)
+        return Estimate(math.atan2(abs(up), far), size + lost)
     best, _ = _largest(track, _tilt)
     # the track's errors are over 1 or the size of the state; the tilt may be near 0 where θ is not
     sizes = track.errors * np.maximum(1.0, np.abs(track.states[:, 0]))
-    return Found(best, float(sizes.max(initial=0.0)))
+    return Estimate(best, float(sizes.max(initial=0.0)))
 
 
 def _largest(track: Track, of: Callable[[Floats], Floats]) -> tuple[float, float]:
@@ -162,11 +166,11 @@ def _largest(track: Track, of: Callable[[Floats], Floats]) -> tuple[float, float
     for _ in range(ROUNDS):
         rows, at = np.nonzero(_turns(rate))
         pair = np.stack([at, at + 1])
-        (low, high), (a, b), (one, other) = times[rows, pair], rate[rows, pair], tilt[rows, pair]
+        (low, high), (a, b), (first, second) = times[rows, pair], rate[rows, pair], tilt[rows, pair]
         h = high - low
         # The tilt falls ever faster towards a passage near flat, a short pulse: the peak is above
         # the place where the tangents meet, by what that acceleration adds.
-        bound = one + a * (other - one - b * h) / (a - b) + falls * h**2 / 2
+        bound = first + a * (second - first - b * h) / (a - b) + falls * h**2 / 2
         kept = bound > best
         if not kept.any():
             break
@@ -193,8 +197,8 @@ def _rise(states: Floats) -> Floats:
     size = np.sqrt((states[..., : len(AXIS)] ** 2).sum(axis=-1))
     up, turn = states[..., 2], states[..., len(AXIS) :]
     rate = turn[..., 0] * states[..., 1] - turn[..., 1] * states[..., 0]
-    found: Floats = np.stack([np.abs(up), np.sign(up) * rate]) / size
-    return found
+    rise: Floats = np.stack([np.abs(up), np.sign(up) * rate]) / size
+    return rise
 
 
 @dataclass(frozen=True)
@@ -203,7 +207,7 @@ class Question:
 
     name: str
     """Its name, in `quantities` of a scene and of its file."""
-    find: Callable[[Problem, Track], Found]
+    find: Callable[[LaunchProblem, Track], Estimate]
     """Function that finds it.  States are those of the launch's model, for some bodies along fixed
     axes: `problem.launches.settling.read(states)` gives the angles of any body."""
     kind: Kind | None
@@ -260,7 +264,7 @@ QUESTIONS = {q.name: q for q in _EVERY}
 
 
 def _near(
-    problem: Problem, track: Track, sides: Sequence[tuple[float, float]] = ((0.0, 0.0),)
+    problem: LaunchProblem, track: Track, sides: Sequence[tuple[float, float]] = ((0.0, 0.0),)
 ) -> list[Nearest]:
     """The steady motions nearest to the end, displaced by its error to some sides."""
     last = track.states[-1]

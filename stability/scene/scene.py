@@ -29,7 +29,7 @@ from .questions import QUESTIONS, UNKNOWN
 from .rungs.full import truth_of
 from .rungs.near_steady import CLOSED_FORMS
 from .rungs.reduced import ReducedModel
-from .rungs.track import MOST_SAMPLES, SPACING, Problem
+from .rungs.track import MOST_SAMPLES, SPACING, LaunchProblem
 from .uncertain import VAIN_WORDS, WASTED, Spread, spread
 
 LOOSEST, TIGHTEST = 0.1, 1e-13
@@ -167,11 +167,11 @@ class Scene(Record):
 
     def _asked(self) -> tuple[str, ...]:
         """Names of the quantities, checked."""
-        given = self.quantities
-        names = (given,) if isinstance(given, str) else given
+        quantities = self.quantities
+        names = (quantities,) if isinstance(quantities, str) else quantities
         every = [n for n, q in EVERY.items() if self.subject.touches or not q.of_body]
         if not isinstance(names, Sequence) or not len(names):
-            what = shown(given) if not isinstance(names, Sequence) else "empty"
+            what = shown(quantities) if not isinstance(names, Sequence) else "empty"
             raise ParameterError(f"quantities is {what}; known are {', '.join(every)}.")
         for name in names:
             if not isinstance(name, str) or name not in EVERY:
@@ -198,7 +198,7 @@ class Scene(Record):
                 f"uncertain is {shown(self.uncertain)}; give half-widths by name, such as "
                 f"{example}."
             )
-        found = {}
+        widths = {}
         for name, width in self.uncertain.items():
             if name not in inputs:
                 raise NameUnknownError(
@@ -212,35 +212,35 @@ class Scene(Record):
                     f"uncertain {name} is {size:g}, which means {100 * size:g} %; give a share of "
                     "its value below 1, such as 0.2."
                 )
-            found[name] = size
-        return found
+            widths[name] = size
+        return widths
 
     def _reduced(self) -> tuple[ReducedModel, ...]:
         """The reduced models, checked."""
-        given = (self.models,) if isinstance(self.models, ReducedModel) else self.models
-        if not isinstance(given, Sequence) or not all(isinstance(m, ReducedModel) for m in given):
+        models = (self.models,) if isinstance(self.models, ReducedModel) else self.models
+        if not isinstance(models, Sequence) or not all(isinstance(m, ReducedModel) for m in models):
             raise ParameterError(
                 f"models is {shown(self.models)}; give a list of stability.ReducedModel."
             )
-        for word, value in (("models", given), ("families", self.families)):
+        for word, value in (("models", models), ("families", self.families)):
             empty = value is None or (isinstance(value, (tuple, list)) and not value)
             if self.subject.touches and not empty:
                 raise ParameterError(
                     f"{word} belong to a stability.System; leave them out for a disk."
                 )
-        names = [*(m.name for m in given), *CLOSED_FORMS, *self.subject.rungs]
+        names = [*(m.name for m in models), *CLOSED_FORMS, *self.subject.rungs]
         double = [n for n in names if names.count(n) > 1]
         if double:
             raise ParameterError(f"two rungs are called {double[0]!r}; give each its own name.")
-        return tuple(given)
+        return tuple(models)
 
-    def _problem(self, law: Any, moved: Mapping[str, float] | None = None) -> Problem:
+    def _problem(self, law: Any, moved: Mapping[str, float] | None = None) -> LaunchProblem:
         """The dimensionless problem under one law, with some inputs changed."""
         launches = launched(self.subject, law, self.start, self.horizon, self.families, moved or {})
         if not moved:
             check_flat(launches, Settings(flat=self.flat))
         last = self.horizon / float(launches.units.time)
-        bare = Problem(
+        bare = LaunchProblem(
             launches,
             self.tolerance,
             np.array([0.0, last]),
@@ -316,29 +316,31 @@ class Scene(Record):
         if self.quantities[0] in LINEAR:
             names = tuple(self.quantities)
             return about_nearest(problem, self.subject, law, names, self.horizon, only)
-        found = climb(problem, self.quantities, tuple(self.models), only, measured=True)
-        told = tell(problem, found, self.horizon)
-        if self.uncertain and found.track is not None:
-            moved = self._spread(law, found, problem, only)
+        climbed = climb(problem, self.quantities, tuple(self.models), only, measured=True)
+        answer = tell(problem, climbed, self.horizon)
+        if self.uncertain and climbed.track is not None:
+            moved = self._spread(law, climbed, problem, only)
             doubt = f" But {moved.doubt}." if moved.contrary else ""
-            told = replace(told, spread=moved, sentence=told.sentence + doubt)
+            answer = replace(answer, spread=moved, sentence=answer.sentence + doubt)
             if self.raise_tolerance and moved.wasted and only is None:
                 enough = min(LOOSEST, WASTED * moved.size)
                 coarse = replace(self, tolerance=enough, raise_tolerance=False)
                 again = coarse._answered(law, only)
                 why = f"the tolerance is raised from {self.tolerance:g} to {enough:.2g}"
                 return replace(again, notes=(f"{why}: {VAIN_WORDS}", *again.notes))
-        return told
+        return answer
 
-    def _spread(self, law: Any, found: Climbed, problem: Problem, only: str | None) -> Spread:
-        def move(name: str, by: float) -> Problem:
+    def _spread(
+        self, law: Any, climbed: Climbed, problem: LaunchProblem, only: str | None
+    ) -> Spread:
+        def move(name: str, by: float) -> LaunchProblem:
             return self._problem(law, {name: by})
 
-        def ask(other: Problem) -> Climbed:
+        def ask(other: LaunchProblem) -> Climbed:
             return climb(other, self.quantities, tuple(self.models), only)
 
         labels = {n: self.subject.width_in_words(n, w) for n, w in self.uncertain.items()}
-        return spread(self.uncertain, problem, found, move, ask, labels)
+        return spread(self.uncertain, problem, climbed, move, ask, labels)
 
     def verify(self) -> Answer:
         """The answer, held against the full model at a much finer tolerance.

@@ -108,7 +108,7 @@ def _tables(source: Path) -> dict[str, Any]:
     if len(raw) > LARGEST:
         raise FileError(f"{path_text(source)} has more than {LARGEST >> 20} MiB; it is no scene.")
     try:
-        found = tomllib.loads(raw.decode("utf-8-sig"))
+        tables = tomllib.loads(raw.decode("utf-8-sig"))
     except UnicodeDecodeError as error:
         line = raw[: error.start].count(b"\n") + 1
         raise FileError(
@@ -123,12 +123,12 @@ def _tables(source: Path) -> dict[str, Any]:
             f"{path_text(source)} is not TOML that can be read: its values are nested too deeply "
             "or have too many digits."
         ) from None
-    if not found:
+    if not tables:
         raise FileError(
             f"{path_text(source)} is empty; a scene needs the tables [contact], [start] and "
             "[question]."
         )
-    return found
+    return tables
 
 
 def _arguments(tables: Mapping[str, Any]) -> dict[str, Any]:
@@ -142,7 +142,7 @@ def _arguments(tables: Mapping[str, Any]) -> dict[str, Any]:
     if "disk" in tables and "body" in tables:
         raise ParameterError("[disk] and [body] are both given; give one of them.")
     disk: Any = _body(tables["body"]) if "body" in tables else _disk(tables.get("disk", {}))
-    found = {
+    arguments = {
         "disk": disk,
         **_laws(tables["contact"]),
         "start": _start(tables["start"], disk, WHICH if "body" in tables else ()),
@@ -151,10 +151,10 @@ def _arguments(tables: Mapping[str, Any]) -> dict[str, Any]:
     if "resistance" in tables:
         _only(tables["resistance"], tuple(RESISTANCES), "[resistance]")
         values = _numbers(tables["resistance"], "resistance")
-        found["resistance"] = [RESISTANCES[n](value) for n, value in values.items()]
+        arguments["resistance"] = [RESISTANCES[n](value) for n, value in values.items()]
     if "uncertain" in tables:
-        found["uncertain"] = _numbers(tables["uncertain"], "uncertain")
-    return found
+        arguments["uncertain"] = _numbers(tables["uncertain"], "uncertain")
+    return arguments
 
 
 def _disk(table: Mapping[str, Any]) -> Disk:
@@ -176,8 +176,8 @@ def _body(table: Mapping[str, Any]) -> Body:
         raise NameUnknownError(f"[body] names {shown(word)}; known are {', '.join(NAMED)}.")
     every = {n: p for n, p in signature(NAMED[word]).parameters.items() if p.kind != p.VAR_KEYWORD}
     _only(table, ("name", *every, *SCALES), f"[body] of the {word}")
-    for name, one in every.items():
-        if one.default is one.empty and name not in table:
+    for name, parameter in every.items():
+        if parameter.default is parameter.empty and name not in table:
             raise ParameterError(f"[body] has no {name}; the {word} needs it.")
     flags = {n: v for n, v in table.items() if isinstance(v, bool)}
     return NAMED[word](
@@ -198,7 +198,7 @@ def _laws(table: Mapping[str, Any]) -> dict[str, Any]:
         )
     weights = {n: table[n]["weight"] for n in inner if "weight" in table[n]}
     every = {n: {k: v for k, v in table[n].items() if k != "weight"} for n in inner}
-    laws = {n: _law({"law": n, **one}, f"contact.{n}") for n, one in every.items()}
+    laws = {n: _law({"law": n, **entry}, f"contact.{n}") for n, entry in every.items()}
     if weights and len(weights) < len(inner):
         lost = next(n for n in inner if n not in weights)
         raise ParameterError(f"[contact.{lost}] has no weight; give one for each law, or for none.")
@@ -250,11 +250,11 @@ def _question(table: Mapping[str, Any]) -> dict[str, Any]:
     _only(table, QUESTION, "[question]")
     if "horizon" not in table:
         raise ParameterError("[question] has no horizon; give the last time of interest.")
-    found: dict[str, Any] = _numbers({n: table[n] for n in NUMBERS if n in table}, "question")
+    arguments: dict[str, Any] = _numbers({n: table[n] for n in NUMBERS if n in table}, "question")
     if "raise_tolerance" in table:
-        told = table["raise_tolerance"]
-        found["raise_tolerance"] = instance(
-            "raise_tolerance of [question]", told, bool, "give true or false"
+        raised = table["raise_tolerance"]
+        arguments["raise_tolerance"] = instance(
+            "raise_tolerance of [question]", raised, bool, "give true or false"
         )
     if "quantities" in table:
         asked = table["quantities"]
@@ -264,8 +264,8 @@ def _question(table: Mapping[str, Any]) -> dict[str, Any]:
                 f"quantities of [question] is {shown(asked)}; give names, such as "
                 '["outcome", "final"].'
             )
-        found["quantities"] = tuple(every)
-    return found
+        arguments["quantities"] = tuple(every)
+    return arguments
 
 
 def _only(table: Mapping[str, Any], names: Collection[str], where: str) -> None:

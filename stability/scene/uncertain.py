@@ -15,7 +15,7 @@ from ..motion.result import Outcome
 from .ladder import Climbed
 from .questions import QUESTIONS
 from .rungs.sensitivities import nearby
-from .rungs.track import Problem, Refused, Track, relative
+from .rungs.track import LaunchProblem, Refused, Track, relative
 
 VAIN_WORDS = "a tenth of what the uncertain inputs allow to know"
 """Why a tolerance is raised."""
@@ -79,13 +79,13 @@ class Spread:
 
     def lines(self) -> list[str]:
         """The spread in words, one line for each fact."""
-        found = [
-            f"  {self.labels[given]} moves {name} by {size:.2g}, over 1 or its size"
+        lines = [
+            f"  {self.labels[source]} moves {name} by {size:.2g}, over 1 or its size"
             for name, moved in self.moves.items()
-            for given, size in moved.items()
+            for source, size in moved.items()
             if math.isfinite(size)
         ]
-        found += [
+        lines += [
             f"  {name}: not known, because runs are {GAVE_UP}"
             if GAVE_UP in {self.outcome, *chain(*self.outcomes.values())}
             else f"  {name}: {QUESTIONS[name].none}, at both ends of every uncertain input too"
@@ -94,37 +94,37 @@ class Spread:
         ]
         ways = dict.fromkeys(self.routes.values())
         for way in ways:
-            found.append(f"  {', '.join(n for n, v in self.routes.items() if v == way)}: {way}")
-        for given, words in self.outcomes.items():
+            lines.append(f"  {', '.join(n for n, v in self.routes.items() if v == way)}: {way}")
+        for source, words in self.outcomes.items():
             for sign, word in zip("-+", words, strict=True):
                 if word != self.outcome:
-                    label = self.labels[given].replace("±", sign)
-                    found.append(f"  {label} gives {word} in place of {self.outcome}")
+                    label = self.labels[source].replace("±", sign)
+                    lines.append(f"  {label} gives {word} in place of {self.outcome}")
         if self.contrary:
-            found.append(f"  {self.doubt}")
+            lines.append(f"  {self.doubt}")
         elif self.wasted:
-            found.append(
+            lines.append(
                 f"  a tolerance of {self.tolerance:g} is wasted: the inputs alone move the answer "
                 f"by {self.size:.2g}, and {WASTED * self.size:.2g} is enough"
             )
         if self.enough and not self.contrary:
-            found.append(
+            lines.append(
                 f"  the model is finer than is of use: the error of {self.enough} is below "
                 f"{WASTED * self.size:.2g}, a tenth of what the inputs move"
             )
-        return found
+        return lines
 
 
-Ask = Callable[[Problem], Climbed]
+Ask = Callable[[LaunchProblem], Climbed]
 """Function that answers another problem by the ladder."""
-Move = Callable[[str, float], Problem]
+Move = Callable[[str, float], LaunchProblem]
 """(input, change) → the problem with it."""
 
 
 def spread(
     inputs: Mapping[str, float],
-    problem: Problem,
-    found: Climbed,
+    problem: LaunchProblem,
+    climbed: Climbed,
     move: Move,
     ask: Ask,
     labels: Mapping[str, str],
@@ -133,7 +133,7 @@ def spread(
 
     `inputs` are half-widths by name; `move` changes one, and `ask` answers the displaced problem.
     """
-    case = _Case(problem, found)
+    case = _Case(problem, climbed)
     moves: dict[str, dict[str, float]] = {name: {} for name in case.base}
     outcomes, routes = {}, {}
     pairs = {name: _displaced(move, name, width) for name, width in inputs.items()}
@@ -155,26 +155,28 @@ def spread(
     record = Spread(
         dict(inputs), moves, outcomes, case.word, contrary, problem.tolerance, labels, routes
     )
-    return replace(record, enough=_enough(found, record.size / problem.tolerance))
+    return replace(record, enough=_enough(climbed, record.size / problem.tolerance))
 
 
-def _displaced(move: Move, name: str, width: float) -> tuple[Problem | None, Problem | None]:
+def _displaced(
+    move: Move, name: str, width: float
+) -> tuple[LaunchProblem | None, LaunchProblem | None]:
     """The problem at both ends of an input; None where the disk has no contact there."""
-    found: list[Problem | None] = []
+    ends: list[LaunchProblem | None] = []
     for sign in (-1.0, 1.0):
         try:
-            found.append(move(name, sign * width))
+            ends.append(move(name, sign * width))
         except DomainError:
-            found.append(None)
-    return found[0], found[1]
+            ends.append(None)
+    return ends[0], ends[1]
 
 
-def _enough(found: Climbed, size: float) -> str:
+def _enough(climbed: Climbed, size: float) -> str:
     """A cheaper model whose error is below a tenth of the spread; empty where there is none."""
-    chosen = next((r for r in found.rungs if r.chosen), None)
-    if chosen is None or found.alone:
+    chosen = next((r for r in climbed.rungs if r.chosen), None)
+    if chosen is None or climbed.alone:
         return ""
-    cheaper = found.rungs[: found.rungs.index(chosen)]
+    cheaper = climbed.rungs[: climbed.rungs.index(chosen)]
     return next((r.name for r in cheaper if r.estimate <= WASTED * size), "")
 
 
@@ -191,16 +193,16 @@ class _Ends:
 class _Case:
     """The answer of a scene, of which inputs are displaced."""
 
-    def __init__(self, problem: Problem, found: Climbed) -> None:
-        assert found.track is not None
-        self.problem, self.found, self.track = problem, found, found.track
-        names = [n for n in found.found if n != "path" or len(found.found) == 1]
-        values = {n: found.found[n].value for n in names}
+    def __init__(self, problem: LaunchProblem, climbed: Climbed) -> None:
+        assert climbed.track is not None
+        self.problem, self.climbed, self.track = problem, climbed, climbed.track
+        names = [n for n in climbed.estimates if n != "path" or len(climbed.estimates) == 1]
+        values = {n: climbed.estimates[n].value for n in names}
         self.base = {n: v for n, v in values.items() if not isinstance(v, str)}
-        self.word = _word(problem, found.track)
+        self.word = _word(problem, climbed.track)
 
     def straight(
-        self, pairs: Mapping[str, tuple[Problem | None, Problem | None]]
+        self, pairs: Mapping[str, tuple[LaunchProblem | None, LaunchProblem | None]]
     ) -> dict[str, _Ends | str]:
         """Both ends of each input by sensitivities, or why they do not give them."""
         whole = {n: (a, b) for n, (a, b) in pairs.items() if a is not None and b is not None}
@@ -208,20 +210,22 @@ class _Case:
         why = self._unable()
         if why or not whole:
             return out | dict.fromkeys(whole, why)
-        chosen = next(r for r in self.found.rungs if r.chosen)
+        chosen = next(r for r in self.climbed.rungs if r.chosen)
         seconds = max(CHEAP, 2 * len(whole) * chosen.price)
-        exact = self.found.model == self.problem.launches.name
-        told = nearby(self.problem, self.track, list(whole.values()), exact=exact, seconds=seconds)
-        if isinstance(told, Refused):
-            return out | dict.fromkeys(whole, told.why)
-        base, ends = told
+        exact = self.climbed.model == self.problem.launches.name
+        tracks = nearby(
+            self.problem, self.track, list(whole.values()), exact=exact, seconds=seconds
+        )
+        if isinstance(tracks, Refused):
+            return out | dict.fromkeys(whole, tracks.why)
+        base, ends = tracks
         for name, pair in zip(whole, ends, strict=True):
             out[name] = pair.why if isinstance(pair, Refused) else self._read(base, pair)
         return out
 
     def _unable(self) -> str:
         """Why no sensitivity is asked for; empty where one is."""
-        if not self.found.share <= 1:
+        if not self.climbed.share <= 1:
             return "the answer itself is not within the tolerance"
         end = self.track.finish
         if end is not None and not math.isfinite(end.error):
@@ -233,31 +237,31 @@ class _Case:
         values = {}
         for name in self.base:
             every = [(self.problem, base), *pair]
-            found = [QUESTIONS[name].find(*known) for known in every]
-            if len({one.value is None for one in found}) > 1:
+            estimates = [QUESTIONS[name].find(*motion) for motion in every]
+            if len({estimate.value is None for estimate in estimates}) > 1:
                 return f"{name} may appear or vanish"
-            values[name] = tuple(one.value for one in found)
+            values[name] = tuple(estimate.value for estimate in estimates)
         words = _word(*pair[0]), _word(*pair[1])
         if set(words) != {self.word}:
             return "the outcome may change"
         return _Ends(values, words)
 
-    def asked(self, pair: tuple[Problem | None, Problem | None], ask: Ask) -> _Ends:
+    def asked(self, pair: tuple[LaunchProblem | None, LaunchProblem | None], ask: Ask) -> _Ends:
         """Both ends of an input by displaced runs."""
-        found, words = [], []
+        by_name, words = [], []
         for other in pair:
-            told = None if other is None else ask(other)
-            if other is None or told is None or told.track is None:
-                found.append(dict.fromkeys(self.base))
+            climbed = None if other is None else ask(other)
+            if other is None or climbed is None or climbed.track is None:
+                by_name.append(dict.fromkeys(self.base))
                 words.append("no contact at the start" if other is None else "no answer")
                 continue
-            found.append({n: told.found[n].value for n in self.base})
-            words.append(_word(other, told.track))
-        values = {n: (v, found[0][n], found[1][n]) for n, v in self.base.items()}
+            by_name.append({n: climbed.estimates[n].value for n in self.base})
+            words.append(_word(other, climbed.track))
+        values = {n: (v, by_name[0][n], by_name[1][n]) for n, v in self.base.items()}
         return _Ends(values, (words[0], words[1]))
 
 
-def _word(problem: Problem, track: Track) -> str:
+def _word(problem: LaunchProblem, track: Track) -> str:
     """The outcome of a track as a word."""
     return str(QUESTIONS["outcome"].find(problem, track).value)
 

@@ -97,12 +97,12 @@ class ClosedForm(Record):
         then = self.program.begun(algebra, [a, q], moving)
         return lambda a, q: self._columns(algebra, then([a, q]))
 
-    def _columns(self, algebra: Algebra, found: list[list[Any]]) -> Columns:
+    def _columns(self, algebra: Algebra, outputs: list[list[Any]]) -> Columns:
         """Stored entries of the outputs, with their zeros."""
         zero = algebra.constant(0.0)
         out = []
         for values, places, (rows, _) in zip(
-            found, self.program.places, self.program.shapes, strict=True
+            outputs, self.program.places, self.program.shapes, strict=True
         ):
             column = [zero] * rows
             for (row, _), value in zip(places, values, strict=True):
@@ -138,13 +138,13 @@ class ClosedForm(Record):
         unknowns, lacking
             Shapes (N, u) and (N,); None where the formulas have no bounds.
         """
-        given = [[(v, 0.0) for v in table.T] for table in (a, q)]
-        found = self.program.enclosed(given, a.shape[:1])
+        arguments = [[(v, 0.0) for v in table.T] for table in (a, q)]
+        outputs = self.program.enclosed(arguments, a.shape[:1])
         near, lacking = np.zeros((len(a), self.program.shapes[1][0])), np.zeros(len(a), dtype=bool)
-        if found is not None:
-            for (row, _), (mid, _) in zip(self.program.places[1], found[1], strict=True):
+        if outputs is not None:
+            for (row, _), (mid, _) in zip(self.program.places[1], outputs[1], strict=True):
                 near[:, row] = mid
-            pairs = found[2]
+            pairs = outputs[2]
         else:
             try:
                 with np.errstate(all="ignore"):
@@ -173,24 +173,24 @@ class RepeatedBalls:
 
     def __init__(self, form: ClosedForm) -> None:
         self._form = form
-        self._given: tuple[list[Any], list[Any]] | None = None
+        self._arguments: tuple[list[Any], list[Any]] | None = None
         self._moving: frozenset[tuple[int, int]] = frozenset()
         self._formulas: Formulas | None = None
 
     def __call__(self, a: list[Any], q: list[Any]) -> Columns:
         """Coefficients, unknowns, and numbers that are positive at every member."""
-        given = a, q
-        if self._given is None:
-            self._given = given
+        arguments = a, q
+        if self._arguments is None:
+            self._arguments = arguments
             return self._form(balls(), a, q)
         moved = {
             (i, j)
-            for i, numbers in enumerate(given)
+            for i, numbers in enumerate(arguments)
             for j, v in enumerate(numbers)
-            if (i, j) not in self._moving and not _identical(v, self._given[i][j])
+            if (i, j) not in self._moving and not _identical(v, self._arguments[i][j])
         }
         if moved or self._formulas is None:
-            self._given, self._moving, self._formulas = given, self._moving | moved, None
+            self._arguments, self._moving, self._formulas = arguments, self._moving | moved, None
             self._formulas = self._form.begun(balls(), a, q, self._moving)
         return self._formulas(a, q)
 
@@ -276,8 +276,8 @@ class ImplicitForm(ClosedForm):
         NoMemberError
             If no unique root is proved near the one in double precision.
         """
-        own = [q[i] for i in self.used]
-        if any(isinstance(v, arb_series) for v in own):
+        inputs = [q[i] for i in self.used]
+        if any(isinstance(v, arb_series) for v in inputs):
             return self._series(algebra, q)
         if algebra is TRACKED:
             return self._tracked(q)
@@ -300,19 +300,19 @@ class ImplicitForm(ClosedForm):
         q
             Parameters, numbers or arrays.
         """
-        own = [np.asarray(q[i], dtype=float) for i in self.used]
-        key = tuple(v.item() for v in own) if all(v.ndim == 0 for v in own) else None
+        inputs = [np.asarray(q[i], dtype=float) for i in self.used]
+        key = tuple(v.item() for v in inputs) if all(v.ndim == 0 for v in inputs) else None
         if key is not None and key in self._roots:
             return self._roots[key]
-        given = [np.asarray(0.0)] * len(q)
-        for i, v in zip(self.used, own, strict=True):
-            given[i] = v
-        shape = np.broadcast_shapes(*(v.shape for v in own))
+        parameters = [np.asarray(0.0)] * len(q)
+        for i, v in zip(self.used, inputs, strict=True):
+            parameters[i] = v
+        shape = np.broadcast_shapes(*(v.shape for v in inputs))
         with np.errstate(all="ignore"):
-            u = self._newton(np.full(shape, self.start), given)
-            lost = ~self._nearest(u, given)
+            u = self._newton(np.full(shape, self.start), parameters)
+            lost = ~self._nearest(u, parameters)
             if lost.any():
-                rows = [np.broadcast_to(v, shape)[lost] for v in given]
+                rows = [np.broadcast_to(v, shape)[lost] for v in parameters]
                 u[lost] = self._searched(rows, int(lost.sum()))
         if key is not None:
             if len(self._roots) >= KEPT:
@@ -339,7 +339,7 @@ class ImplicitForm(ClosedForm):
         low, high = self.between
         share = (np.arange(SIGNS) / SIGNS).reshape(-1, *[1] * u.ndim)
         other = -share - 1 / SIGNS  # up to the place as far away as the root
-        sides = np.stack([self.start + (u - self.start) * one for one in (share, other)])
+        sides = np.stack([self.start + (u - self.start) * side for side in (share, other)])
         value = np.sign(self._value(np.clip(sides, low, high), q))
         return (value == value[:1, :1]).all(axis=(0, 1)) | (u == self.start)
 
@@ -363,9 +363,9 @@ class ImplicitForm(ClosedForm):
             middle = (left + right) / 2
             here = np.sign(self._value(middle, q)) == begin
             left, right = np.where(here, middle, left), np.where(here, right, middle)
-        found = self._newton((left + right) / 2, q)
-        close = np.abs(found - left) <= (high - low) / SAMPLES
-        return np.where(close & np.isfinite(order.min(axis=0)), found, np.nan)
+        root = self._newton((left + right) / 2, q)
+        close = np.abs(root - left) <= (high - low) / SAMPLES
+        return np.where(close & np.isfinite(order.min(axis=0)), root, np.nan)
 
     def _tracked(self, q: Sequence[Any]) -> RunningError:
         """With a bound: |f(u)| over the least slope on an interval that this bound fits into."""
@@ -379,8 +379,8 @@ class ImplicitForm(ClosedForm):
             for _ in range(TRIES):
                 _, over = self._both(TRACKED, RunningError(u, width), q)
                 least = np.abs(over.value) - 1.01 * over.error
-                found = 1.01 * off / np.where(least > 0, least, np.nan)
-                bound = np.where(found <= width, np.minimum(bound, found), bound)
+                radius = 1.01 * off / np.where(least > 0, least, np.nan)
+                bound = np.where(radius <= width, np.minimum(bound, radius), bound)
                 width = WIDER * width
         return RunningError(u, bound)
 
@@ -397,34 +397,34 @@ class ImplicitForm(ClosedForm):
         return DoubleDouble(u.hi, u.lo, np.where(bound <= width, bound, np.inf))
 
     @cached_property
-    def _known(self) -> dict[Any, Any]:
+    def _balls(self) -> dict[Any, Any]:
         return {}
 
     def _ball(self, q: Sequence[Any]) -> Any:
         """As a ball by an interval Newton step; one for exact numbers is kept."""
-        own = [q[i] for i in self.used]
-        points = [float(v.mid()) for v in own]
-        exact = all(v == arb(p) for v, p in zip(own, points, strict=True))
+        inputs = [q[i] for i in self.used]
+        points = [float(v.mid()) for v in inputs]
+        exact = all(v == arb(p) for v, p in zip(inputs, points, strict=True))
         key = (ctx.prec, *points) if exact else None
-        if key is None or key not in self._known:
+        if key is None or key not in self._balls:
             table = dict(zip(self.used, points, strict=True))
-            found = self._proved(q, float(self.near([table.get(i, 0.0) for i in range(len(q))])))
+            root = self._proved(q, float(self.near([table.get(i, 0.0) for i in range(len(q))])))
             if key is None:
-                self._require_one(own, found, q)
-                return found
-            self._known[key] = found
-        return self._known[key]
+                self._require_one(inputs, root, q)
+                return root
+            self._balls[key] = root
+        return self._balls[key]
 
-    def _require_one(self, own: Sequence[Any], found: Any, q: Sequence[Any]) -> None:
+    def _require_one(self, inputs: Sequence[Any], root: Any, q: Sequence[Any]) -> None:
         """Refuse an interval at whose ends another root is the nearest."""
-        ends = [{float(v.mid() - v.rad()), float(v.mid() + v.rad())} for v in own]
+        ends = [{float(v.mid() - v.rad()), float(v.mid() + v.rad())} for v in inputs]
         if all(len(some) == 1 for some in ends):
             return
-        room = SAME * (1 + abs(float(found.mid()))) + float(found.rad())
+        room = SAME * (1 + abs(float(root.mid()))) + float(root.rad())
         for corner in product(*ends):
             table = dict(zip(self.used, corner, strict=True))
             there = float(self.near([table.get(i, 0.0) for i in range(len(q))]))
-            if not abs(there - float(found.mid())) <= room:
+            if not abs(there - float(root.mid())) <= room:
                 raise NoMemberError("another root is the nearest in a part of the interval.")
 
     def _proved(self, q: Sequence[Any], rough: float) -> Any:
@@ -441,19 +441,19 @@ class ImplicitForm(ClosedForm):
             wide = arb(u, width.upper())
             _, over = self._both(balls(), wide, q)
             if not over.contains(0):
-                found = u - value / over
-                if found.is_finite() and wide.contains_interior(found):
-                    return found
+                root = u - value / over
+                if root.is_finite() and wide.contains_interior(root):
+                    return root
             width = WIDER * width
         raise NoMemberError("no unique root is proved there.")
 
     def _series(self, algebra: Algebra, q: Sequence[Any]) -> Any:
         """Power by power (implicit function theorem)."""
         plain = [v[0] if isinstance(v, arb_series) else arb(v) for v in q]
-        found = [self._ball(plain)]
-        slope = self._both(balls(), found[0], plain)[1]
+        series = [self._ball(plain)]
+        slope = self._both(balls(), series[0], plain)[1]
         for k in range(1, ctx.cap):
-            rest, _ = self._both(algebra, arb_series([*found, 0]), q)
+            rest, _ = self._both(algebra, arb_series([*series, 0]), q)
             rest = rest[k] if isinstance(rest, arb_series) else arb(0)
-            found.append(-rest / slope)
-        return arb_series(found)
+            series.append(-rest / slope)
+        return arb_series(series)

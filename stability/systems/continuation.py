@@ -109,9 +109,9 @@ class Pace:
         _, slope = self.at(z)
         if not np.isfinite(slope).all():
             return None
-        found = np.linalg.svd(slope)[2][-1]
-        found = found * (1.0 if found @ before >= 0 else -1.0)
-        return found, float(np.linalg.slogdet(np.vstack([slope, found]))[0])
+        tangent = np.linalg.svd(slope)[2][-1]
+        tangent = tangent * (1.0 if tangent @ before >= 0 else -1.0)
+        return tangent, float(np.linalg.slogdet(np.vstack([slope, tangent]))[0])
 
     def corrected(self, guess: Floats, tangent: Floats) -> Floats | None:
         """The point of the curve in the plane through a prediction, if it is reached fast."""
@@ -183,11 +183,11 @@ def walk(
         room = longest * max(1.0, float(np.abs(z[:-1] / scale[:-1]).max()))
         step = min(step, room, longest / max(abs(float(along[-1])), 1e-300))
         new = pace.corrected(z + step * along * scale, along)
-        found = pace.tangent(new, along) if new is not None else None
-        if new is None or found is None or found[0] @ along < COSINE:
+        following = pace.tangent(new, along) if new is not None else None
+        if new is None or following is None or following[0] @ along < COSINE:
             step /= 2
             continue
-        after, now = found
+        after, now = following
         if now != sign:
             point = locate_branch_point(curve, (z + new) / 2)
             near = float(np.abs((point.z - (z + new) / 2) / scale).max()) <= step
@@ -218,10 +218,10 @@ def _fold_between(
     """The fold between two points, where the tangent's parameter changes sign."""
     share = parts[0] / (parts[0] - parts[1])
     guess = z + share * (new - z)
-    found = locate_fold(curve, guess)
-    if found.resolved and np.abs((found.z - guess) / scale).max() <= step:
-        return [found]
-    return [Located(guess, np.abs(new - z), False, found.left)]
+    fold = locate_fold(curve, guess)
+    if fold.resolved and np.abs((fold.z - guess) / scale).max() <= step:
+        return [fold]
+    return [Located(guess, np.abs(new - z), False, fold.left)]
 
 
 MOST_POINTS = 100_000
@@ -444,27 +444,27 @@ class _Line(Record):
 
     def members(self, lo: float, hi: float, u: Floats, points: int) -> Branch:
         """Evenly spaced members, up to the first that is not reached."""
-        found = [np.array([*u[0], lo])]
+        places = [np.array([*u[0], lo])]
         ended, complete = f"the whole interval from {lo:g} to {hi:g} was reached", True
         folds: list[Located] = []
         last: list[tuple[Located, Floats]] = []
         for target in np.linspace(lo, hi, points)[1:]:
             try:
-                following, reached = self._next(found[-1], float(target))
+                following, reached = self._next(places[-1], float(target))
                 if not reached:  # from a branch point itself no way leads on
-                    again, reached = self._next(found[-2:][0], float(target))
-                    if reached or (following == found[-1]).all():
+                    again, reached = self._next(places[-2:][0], float(target))
+                    if reached or (following == places[-1]).all():
                         following = again
             except NoMemberError as error:
-                complete, ended = False, f"ended after {found[-1][-1]:g}: {error}"
+                complete, ended = False, f"ended after {places[-1][-1]:g}: {error}"
                 break
             if not reached:
-                before = found[-1] if (found[-1] != following).any() else found[-2:][0]
+                before = places[-1] if (places[-1] != following).any() else places[-2:][0]
                 where, folds, last = self._stop(before, following)
-                complete, ended = False, f"ended after {found[-1][-1]:g}: {where}"
+                complete, ended = False, f"ended after {places[-1][-1]:g}: {where}"
                 break
-            found.append(following)
-        z = np.array(found)
+            places.append(following)
+        z = np.array(places)
         return self._branch(z, complete, ended, folds, [*crossings(self.curve, z), *last])
 
     def _next(self, z: Floats, target: float) -> tuple[Floats, bool]:
@@ -488,21 +488,21 @@ class _Line(Record):
         if point is None:
             said = "has no member that continuation reaches beyond"
             return f"{self.family.name} {said} {name} = {end[-1]:.10g}", [], []
-        word, found = point
-        said = f"a {word} at {name} = {found.z[-1]:.10g}"
+        word, located = point
+        said = f"a {word} at {name} = {located.z[-1]:.10g}"
         if word == "fold":
-            return said, [found], []
-        return said, [], [] if word == "cusp" else [(found, way)]
+            return said, [located], []
+        return said, [], [] if word == "cusp" else [(located, way)]
 
     # --- round folds ---
 
     def arc(self, z: Floats, tangent: Floats, lo: float, hi: float, points: int) -> Branch:
         """Members by arclength, within the interval."""
         trace = self._walked(z, tangent, _scale(z, abs(hi - lo)), (lo, hi), points)
-        found, ended, complete = trace.z, self._left(trace), False
+        members, ended, complete = trace.z, self._left(trace), False
         if not trace.ended:
-            found, ended, complete = self._landed(trace, lo, hi)
-        return self._branch(found, complete, ended, trace.folds, trace.crossings)
+            members, ended, complete = self._landed(trace, lo, hi)
+        return self._branch(members, complete, ended, trace.folds, trace.crossings)
 
     def switched(self, point: BranchPoint, stop: float, points: int, side: int) -> Branch:
         """Leave a branch point along the crossing branch."""
@@ -571,40 +571,40 @@ class _Line(Record):
             return trace.z[:-1], f"ended after {before[-1]:g}: {error}", False
         if not np.abs(u - guess).max() <= 0.1 * (1 + np.abs(guess)).max():
             return trace.z[:-1], f"ended after {before[-1]:g}: the last step is not reached", False
-        found = np.vstack([trace.z[:-1], [*u, end]])
+        members = np.vstack([trace.z[:-1], [*u, end]])
         if end == hi:
-            return found, f"the whole interval from {lo:g} to {hi:g} was reached", True
-        return found, f"the branch turned and came back to {lo:g}", False
+            return members, f"the whole interval from {lo:g} to {hi:g} was reached", True
+        return members, f"the branch turned and came back to {lo:g}", False
 
     # --- records ---
 
     def _numbers(self, value: float) -> tuple[Floats, Floats]:
         """Family parameters and parameters at a value of the first family parameter."""
-        given = self.curve.given(np.array([[value]]))
-        return given[:, : self.curve.cut], given[:, self.curve.cut :]
+        numbers = self.curve.given(np.array([[value]]))
+        return numbers[:, : self.curve.cut], numbers[:, self.curve.cut :]
 
     def _states(self, z: Floats) -> Floats:
-        family, cut, given = self.family, self.curve.cut, self.curve.given(z)
-        found = family.states(given[:, :cut], z[:, :-1], given[:, cut:])
+        family, cut, numbers = self.family, self.curve.cut, self.curve.given(z)
+        states = family.states(numbers[:, :cut], z[:, :-1], numbers[:, cut:])
         # where the guess is exact, the family itself knows no other unknowns
         for name, column in zip(family.unknown, z.T, strict=False):
             if name in family.system.states:
-                found[:, family.system.index(name)] = column
-        return found
+                states[:, family.system.index(name)] = column
+        return states
 
-    def _point(self, found: Located) -> tuple[float, Floats, float]:
+    def _point(self, located: Located) -> tuple[float, Floats, float]:
         """Family parameter, state and error of a singular point."""
-        return float(found.z[-1]), self._states(found.z[None])[0], float(found.step[-1])
+        return float(located.z[-1]), self._states(located.z[None])[0], float(located.step[-1])
 
-    def _branch_point(self, found: Located, tangent: Floats) -> BranchPoint:
+    def _branch_point(self, located: Located, tangent: Floats) -> BranchPoint:
         """A branch point; the more parallel one of its directions is the branch's."""
-        own, other = tangent / np.linalg.norm(tangent), None
-        both = directions(self.curve, found) if found.resolved else None
+        along, other = tangent / np.linalg.norm(tangent), None
+        both = directions(self.curve, located) if located.resolved else None
         if both is not None:
-            mine = int(np.argmax(np.abs(both @ own)))
-            own, other = both[mine], both[1 - mine]
+            mine = int(np.argmax(np.abs(both @ along)))
+            along, other = both[mine], both[1 - mine]
         kind = kind_of_crossing(both)
-        return BranchPoint(*self._point(found), kind, own, other, self, found.z)
+        return BranchPoint(*self._point(located), kind, along, other, self, located.z)
 
     def _branch(
         self,

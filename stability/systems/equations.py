@@ -65,7 +65,7 @@ def _read(written: bytes) -> Any:
         return pickle.loads(written)
 
 
-def not_finite(name: str, values: Mapping[str, Any], found: NDArray[np.float64]) -> DomainError:
+def not_finite(name: str, values: Mapping[str, Any], matrices: NDArray[np.float64]) -> DomainError:
     """The error of a graph with a value that is not finite; it names the first such place.
 
     Parameters
@@ -74,10 +74,10 @@ def not_finite(name: str, values: Mapping[str, Any], found: NDArray[np.float64])
         Name of the system.
     values
         What the graph is computed from by name, arrays that broadcast to the leading shape.
-    found
+    matrices
         Its values, matrices of shape (…, rows, columns).
     """
-    fine = np.isfinite(found).all(axis=(-1, -2))
+    fine = np.isfinite(matrices).all(axis=(-1, -2))
     first = int(np.argmin(fine))
     at = [np.broadcast_to(v, fine.shape).flat[first] for v in values.values()]
     return DomainError(
@@ -195,12 +195,14 @@ class Equations(Portable, Record):
             size = len(self.unknowns)
             object.__setattr__(self, "mass", expression("mass", self.mass, size, size))
             object.__setattr__(self, "forcing", expression("forcing", self.forcing, size, 1))
-        given = self.conditions
-        if not isinstance(given, (tuple, list)) or not all(isinstance(c, Condition) for c in given):
+        conditions = self.conditions
+        if not isinstance(conditions, (tuple, list)) or not all(
+            isinstance(c, Condition) for c in conditions
+        ):
             raise ParameterError(
-                f"conditions is {shown(given)}; give a tuple of stability.Condition."
+                f"conditions is {shown(conditions)}; give a tuple of stability.Condition."
             )
-        object.__setattr__(self, "conditions", tuple(given))
+        object.__setattr__(self, "conditions", tuple(conditions))
         check_system(self)
         if not self.quantities:  # a body's equations have no switches
             self._write_by_signs()
@@ -211,9 +213,9 @@ class Equations(Portable, Record):
         limits = [c.value for c in self.conditions]
         parts = [self.rhs, *self.observables.values(), *limits, *implicit.values()]
         ends: list[tuple[ca.SX, str]] = []
-        if (found := by_signs([self.x, self.p], parts, interpolated, ends)) is None:
+        if (written := by_signs([self.x, self.p], parts, interpolated, ends)) is None:
             return
-        rest = iter(found)
+        rest = iter(written)
         object.__setattr__(self, "rhs", next(rest))
         object.__setattr__(self, "observables", {n: next(rest) for n in self.observables})
         conditions = [replace(c, value=next(rest)) for c in self.conditions]
@@ -276,15 +278,17 @@ class Equations(Portable, Record):
         for word in others:
             known("keyword", word, ("states", "parameters", "conditions", "units"))
         sought = names("unknowns", unknowns)
-        given = {n: expression(f"rate of {n}", e, 1, 1) for n, e in mapping("rates", rates).items()}
+        speeds = {
+            n: expression(f"rate of {n}", e, 1, 1) for n, e in mapping("rates", rates).items()
+        }
         matrix = expression("mass", mass, len(sought), len(sought))
         right = expression("forcing", forcing, len(sought), 1)
         states = others.get("states", ())
-        algebraic, matrix, right, sought, given = singular_parts(matrix, right, sought, given)
-        order = check_implicit(matrix, sought, given, pivots, states)
+        algebraic, matrix, right, sought, speeds = singular_parts(matrix, right, sought, speeds)
+        order = check_implicit(matrix, sought, speeds, pivots, states)
         solution, values = eliminate(matrix, right, order)
         solved = dict(zip(sought, solution, strict=True))
-        rhs = ca.vertcat(*[given[s] if s in given else solved[f"d_{s}"] for s in states])
+        rhs = ca.vertcat(*[speeds[s] if s in speeds else solved[f"d_{s}"] for s in states])
         if observables is not None and not callable(observables):
             raise ParameterError(f"observables is {shown(observables)}; give a function or None.")
         extra = observables(solved, values) if observables else {}
@@ -341,13 +345,13 @@ class Equations(Portable, Record):
     @cached_property
     def _graph(self) -> str:
         """The whole graph as a text: its instructions, names and the bits of its numbers."""
-        given = [self.rhs, *self.observables.values(), *(c.value for c in self.conditions)]
-        given += [e for e in (self.mass, self.forcing) if e is not None]
-        return str(ca.Function("all", [self.x, self.p], given).serialize())
+        expressions = [self.rhs, *self.observables.values(), *(c.value for c in self.conditions)]
+        expressions += [e for e in (self.mass, self.forcing) if e is not None]
+        return str(ca.Function("all", [self.x, self.p], expressions).serialize())
 
     def _content(self) -> tuple[Any, ...]:
         words = [c.sentence for c in self.conditions]
-        own = (
+        parts = (
             self.name,
             self.states,
             self.parameters,
@@ -360,7 +364,7 @@ class Equations(Portable, Record):
             self.algebraic,
             self.mass is None,
         )
-        return (type(self), content(own), self._graph)
+        return (type(self), content(parts), self._graph)
 
     def __hash__(self) -> int:  # the graph is read only where names are the same
         return hash((type(self), self.name, self.states, self.parameters))
@@ -497,8 +501,8 @@ class Equations(Portable, Record):
             for name, value in zip(self.observables, values, strict=True)
         }
 
-    def _finite(self, found: Any, arguments: list[Any]) -> NDArray[np.float64]:
-        array: NDArray[np.float64] = np.asarray(found)
+    def _finite(self, values: Any, arguments: list[Any]) -> NDArray[np.float64]:
+        array: NDArray[np.float64] = np.asarray(values)
         if not np.isfinite(array).all():
             named = zip((*self.states, *self.parameters), sum(arguments, []), strict=True)
             raise not_finite(self.name, dict(named), array)
@@ -575,7 +579,7 @@ def eliminate(
     return [solution[j] for j in range(size)], values
 
 
-def _counted(word: str, given: tuple[str, ...]) -> str:
+def _counted(word: str, labels: tuple[str, ...]) -> str:
     """How many names of a kind there are, and the first of them."""
-    told = ", ".join(given[:8]) + ", …" * (len(given) > 8)
-    return f"{len(given)} {word}{'s' * (len(given) != 1)}" + f" ({told})" * bool(given)
+    named = ", ".join(labels[:8]) + ", …" * (len(labels) > 8)
+    return f"{len(labels)} {word}{'s' * (len(labels) != 1)}" + f" ({named})" * bool(labels)

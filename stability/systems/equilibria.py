@@ -35,7 +35,15 @@ from ..base.errors import (
 from ..base.types import Floats, Record, fields_of
 from ..base.verdict import Verdict
 from .equations import Equations
-from .equilibrium_search import MOST_BOXES, Boxes, SquareSystem, Zeros, enclosed, search, within
+from .equilibrium_search import (
+    MOST_BOXES,
+    SearchBoxes,
+    SquareSystem,
+    Zeros,
+    enclosed,
+    search,
+    within,
+)
 from .family import Family
 from .graph.ignorable import ignorable
 from .members import Anchor
@@ -181,11 +189,11 @@ class Equilibria(Record, Sequence[dict[str, float]]):
         first = self.system.parameters[:1]
         spectra: list[Any] = []
         for family in self.families(first):
-            given: dict[str, Any] = {n: v for n, v in self.parameters.items() if n not in first}
+            numbers: dict[str, Any] = {n: v for n, v in self.parameters.items() if n not in first}
             at = {"at": self.parameters[first[0]]} if first else {}
             spectra.append(None)
             with suppress(StabilityError):
-                spectra[-1] = function_of("spectrum")(family, **at, parameters=given)
+                spectra[-1] = function_of("spectrum")(family, **at, parameters=numbers)
         return tuple(spectra)
 
     @property
@@ -284,7 +292,7 @@ def equilibria(system: Equations, box: Mapping[str, Any], parameters: dict[str, 
         return dict(zip(asked.unknown, values.tolist(), strict=True))
 
     unresolved = tuple(OpenBox(by_name(a), by_name(b), reason) for a, b, reason in open_)
-    found = Equilibria(
+    result = Equilibria(
         system,
         {n: (a, by_name(asked.high)[n]) for n, a in by_name(asked.low).items()},
         asked.held,
@@ -296,8 +304,8 @@ def equilibria(system: Equations, box: Mapping[str, Any], parameters: dict[str, 
         how="; ".join(filter(None, [SEARCHED, system.approximation])),
         citation=cited(system=system.name, model=bool(system.quantities), proofs=True),
     )
-    found.warn()
-    return found
+    result.warn()
+    return result
 
 
 MOST_OF_EACH = 10_000
@@ -342,12 +350,12 @@ def counts(system: Equations, box: Mapping[str, Any], numbers: Mapping[str, Floa
     reached = ((zeros.open.lo <= asked.high) & (zeros.open.hi >= asked.low)).all(axis=1)
     complete[zeros.open.owner[reached]] = False
     for k in np.flatnonzero(~inside).tolist():
-        given = dict(zip((*asked.parameters, *asked.held), rows[owner[k]].tolist(), strict=True))
-        own = asked._replace(
-            parameters={n: given[n] for n in asked.parameters},
-            held={n: given[n] for n in asked.held},
+        named = dict(zip((*asked.parameters, *asked.held), rows[owner[k]].tolist(), strict=True))
+        single = asked._replace(
+            parameters={n: named[n] for n in asked.parameters},
+            held={n: named[n] for n in asked.held},
         )
-        judged = _judged_alone(own, zeros, k)
+        judged = _judged_alone(single, zeros, k)
         inside[k] = judged is True
         complete[owner[k]] &= judged in (True, False)
     decays, grows = _decaying(asked, zeros, rows[owner])
@@ -374,8 +382,8 @@ def _decaying(
     matrix = ca.jacobian(system.rhs[kept], system.x)[:, kept]
     program = Program(ca.Function("matrix", [asked.square.x, asked.square.p], [matrix]))
     x = [DoubleDouble(*v) for v in zip(zeros.x.T, zeros.rest.T, zeros.error.T, strict=True)]
-    given = [DoubleDouble(v) for v in numbers.T]
-    polynomial = characteristic(program.dense(DOUBLE_DOUBLE, [x, given], zero=0))
+    parameters = [DoubleDouble(v) for v in numbers.T]
+    polynomial = characteristic(program.dense(DOUBLE_DOUBLE, [x, parameters], zero=0))
     decays, grows = ~none, none
     for c in polynomial:
         bound = c.hi + np.abs(c.lo) + 1.01 * c.error if isinstance(c, DoubleDouble) else c
@@ -394,7 +402,7 @@ def _decaying(
 
 def _asked(system: Equations, box: Mapping[str, Any], parameters: dict[str, Any]) -> _Question:
     """The question, checked."""
-    given = mapping("box", box)
+    bounds = mapping("box", box)
     for name in parameters:
         known("parameter", name, system.parameters)
     missing = [n for n in system.parameters if n not in parameters]
@@ -402,7 +410,7 @@ def _asked(system: Equations, box: Mapping[str, Any], parameters: dict[str, Any]
         raise ParameterError(f"{absent(missing)}; give a number for each of the parameters.")
     numbers = {n: one_number(n, parameters[n]) for n in system.parameters}
     held, ends = {}, {}
-    for name, value in given.items():
+    for name, value in bounds.items():
         if name not in system.states:
             raise NameUnknownError(
                 f"box names {shown(name)}, which is no state; states are "
@@ -413,8 +421,8 @@ def _asked(system: Equations, box: Mapping[str, Any], parameters: dict[str, Any]
         else:
             ends[name] = box_ends(name, value)
     unknown = tuple(n for n in system.states if n in ends)
-    moving = moving_states(system, set(given))
-    absent_ = [n for n in system.states if n not in given and n not in moving]
+    moving = moving_states(system, set(bounds))
+    absent_ = [n for n in system.states if n not in bounds and n not in moving]
     if absent_:
         raise ParameterError(
             f"box lacks {listed(absent_)}; give (low, high), or a number at which a state is held."
@@ -435,7 +443,7 @@ def _asked(system: Equations, box: Mapping[str, Any], parameters: dict[str, Any]
     symbol = {n: system.x[system.index(n)] for n in system.states}
     x = ca.vertcat(*[symbol[n] for n in unknown])
     p = ca.vertcat(system.p, *[symbol[n] for n in held])
-    still = [system.x[i] for i, n in enumerate(system.states) if n not in given]
+    still = [system.x[i] for i, n in enumerate(system.states) if n not in bounds]
     rates = ca.substitute(rates, ca.vertcat(*still), ca.SX.zeros(len(still))) if still else rates
     others = [n for n in system.states if n not in solved and n not in moving]
     rest = ca.vertcat(*[table[n] for n in others])
@@ -655,14 +663,14 @@ def _on_border(asked: _Question, zeros: Zeros, k: int, border: Any) -> bool:
         symbols, rates = asked.square.x, asked.square.rates
         numbers = ca.vertcat(asked.square.p, *[symbols[i] for i in fixed])
         face = SquareSystem(symbols[left], numbers, ca.SX(rates[rows]))
-        given = np.array([[*asked.numbers, *fixed.values()]])
-        at[left], rest, error[left] = (v[0] for v in enclosed(face, at[None, left], given))
+        values = np.array([[*asked.numbers, *fixed.values()]])
+        at[left], rest, error[left] = (v[0] for v in enclosed(face, at[None, left], values))
         error[left] += np.abs(rest)
     # the only zero there is in the box of the proof
     return bool(within(at, error, zeros.boxes.lo[k], zeros.boxes.hi[k]))
 
 
-def _merged(boxes: Boxes) -> Boxes:
+def _merged(boxes: SearchBoxes) -> SearchBoxes:
     """Boxes round those that touch."""
     lo, hi = boxes.lo, boxes.hi
     room = 1e-12 * (hi - lo).max(axis=0, initial=0.0) if len(lo) else 0.0
@@ -682,4 +690,4 @@ def _merged(boxes: Boxes) -> Boxes:
             break
     if len(lo) > MOST_PARTS:
         lo, hi = lo.min(axis=0, keepdims=True), hi.max(axis=0, keepdims=True)
-    return Boxes(lo, hi, np.zeros(len(lo), dtype=np.intp))
+    return SearchBoxes(lo, hi, np.zeros(len(lo), dtype=np.intp))

@@ -55,7 +55,7 @@ Owners = NDArray[np.intp]
 
 
 @dataclass
-class Boxes:
+class SearchBoxes:
     """Boxes of one or more searches."""
 
     lo: Floats
@@ -67,11 +67,11 @@ class Boxes:
     def __len__(self) -> int:
         return len(self.lo)
 
-    def __getitem__(self, rows: Marks | slice | Owners) -> Boxes:
-        return Boxes(self.lo[rows], self.hi[rows], self.owner[rows])
+    def __getitem__(self, rows: Marks | slice | Owners) -> SearchBoxes:
+        return SearchBoxes(self.lo[rows], self.hi[rows], self.owner[rows])
 
     @classmethod
-    def joined(cls, parts: list[Boxes]) -> Boxes:
+    def joined(cls, parts: list[SearchBoxes]) -> SearchBoxes:
         """Boxes of several lists."""
         names = ("lo", "hi", "owner")
         return cls(*(np.concatenate([getattr(b, n) for b in parts]) for n in names))
@@ -87,9 +87,9 @@ class Zeros:
     """What is to be added to these."""
     error: Floats
     """Bounds on the errors of both together."""
-    boxes: Boxes
+    boxes: SearchBoxes
     """Boxes in which each is the only one."""
-    open: Boxes
+    open: SearchBoxes
     """Boxes in which a zero is neither excluded nor proved."""
     spent: Marks
     """Whether the most boxes were used up, for each search."""
@@ -293,9 +293,9 @@ class _Search:
     p: Floats
     """Parameters of each search, shape (M, m)."""
     most: int
-    proved: list[tuple[Boxes, Floats]] = field(default_factory=list)
+    proved: list[tuple[SearchBoxes, Floats]] = field(default_factory=list)
     """Boxes in which one zero is, and a point near it."""
-    open: list[Boxes] = field(default_factory=list)
+    open: list[SearchBoxes] = field(default_factory=list)
     count: int = 0
 
     @cached_property
@@ -303,7 +303,7 @@ class _Search:
         """Whether each parameter is the same in all searches."""
         return (self.p == self.p[:1]).all(axis=0).tolist()  # type: ignore[no-any-return]
 
-    def run(self, stack: Boxes) -> Marks:
+    def run(self, stack: SearchBoxes) -> Marks:
         """Work until no box is left; returns which searches used up their boxes."""
         spent = np.zeros(len(self.first), dtype=bool)
         used = np.zeros(len(self.first), dtype=np.intp)
@@ -314,7 +314,7 @@ class _Search:
                 parts.append(boxes[: len(boxes) - TOGETHER])
                 boxes = boxes[len(boxes) - TOGETHER :]
             elif parts and len(boxes) + len(parts[-1]) <= TOGETHER:
-                parts.append(Boxes.joined([parts.pop(), boxes]))
+                parts.append(SearchBoxes.joined([parts.pop(), boxes]))
                 continue
             np.add.at(used, boxes.owner, 1)
             self.count += len(boxes)
@@ -326,7 +326,7 @@ class _Search:
                 parts.append(halves)
         return spent
 
-    def _last(self, boxes: Boxes) -> None:
+    def _last(self, boxes: SearchBoxes) -> None:
         """Try the smallest boxes with the least room, in which zeros next to each other fit."""
         step = _stepped(
             self.system, boxes.lo, boxes.hi, self._parameters(boxes.owner), boxes.lo * 0 + TINY
@@ -336,13 +336,13 @@ class _Search:
 
     def _keep(self, step: _Step, owner: Owners) -> None:
         low, high = (ends[step.proved] for ends in step.larger)
-        self.proved.append((Boxes(low, high, owner[step.proved]), step.middle[step.proved]))
+        self.proved.append((SearchBoxes(low, high, owner[step.proved]), step.middle[step.proved]))
 
     def _parameters(self, owner: Owners) -> Sequence[Any]:
         """One number for each parameter where they are the same, so that exponents stay exact."""
         return [c[0] if same else c[owner] for c, same in zip(self.p.T, self.same, strict=True)]
 
-    def _worked(self, boxes: Boxes) -> Boxes:
+    def _worked(self, boxes: SearchBoxes) -> SearchBoxes:
         """What is left of boxes, halved where it did not shrink."""
         lo, hi, owner = boxes.lo, boxes.hi, boxes.owner
         for _ in range(SWEEPS):
@@ -364,29 +364,29 @@ class _Search:
         finest = (free * first <= FINEST * size).all(axis=1)
         narrow = (hi - lo <= 4 * np.spacing(most)).all(axis=1)
         if (done := finest | narrow).any():
-            self._last(Boxes(lo[done], hi[done], owner[done]))
+            self._last(SearchBoxes(lo[done], hi[done], owner[done]))
         again = ~done & (width.max(axis=1) <= SHRUNK * ((boxes.hi - boxes.lo) / first).max(axis=1))
         cut = ~done & ~again
         lags = free < LAGGING * free.max(axis=1, keepdims=True)
         smear = np.where(lags, 0.0, smear * np.where(self.system.free, 1.0, LAGGING))[cut]
-        halves = Boxes(lo[cut], hi[cut], owner[cut])
+        halves = SearchBoxes(lo[cut], hi[cut], owner[cut])
         # an operation on a few boxes costs as much as one on a hundred
         while len(halves):
             halves, smear = _halved(halves, smear)
             if 2 * len(halves) > FEW:
                 break
-        return Boxes.joined([Boxes(lo[again], hi[again], owner[again]), halves])
+        return SearchBoxes.joined([SearchBoxes(lo[again], hi[again], owner[again]), halves])
 
 
-def _halved(boxes: Boxes, smear: Floats) -> tuple[Boxes, Floats]:
+def _halved(boxes: SearchBoxes, smear: Floats) -> tuple[SearchBoxes, Floats]:
     """Two parts of each box, cut across the side of the largest smear."""
     rows, side = np.arange(len(boxes)), smear.argmax(axis=1)
     low, high = boxes.lo[rows, side], boxes.hi[rows, side]
     left, right, smear = boxes.hi.copy(), boxes.lo.copy(), smear.copy()
     left[rows, side] = right[rows, side] = low + SPLIT * (high - low)
     smear[rows, side] /= 2
-    parts = Boxes(boxes.lo, left, boxes.owner), Boxes(right, boxes.hi, boxes.owner)
-    return Boxes.joined(list(parts)), np.concatenate([smear, smear])
+    parts = SearchBoxes(boxes.lo, left, boxes.owner), SearchBoxes(right, boxes.hi, boxes.owner)
+    return SearchBoxes.joined(list(parts)), np.concatenate([smear, smear])
 
 
 @np.errstate(all="ignore")  # ends that are infinite or no numbers exclude nothing
@@ -409,15 +409,15 @@ def search(
         Most boxes of each search.
     """
     work = _Search(system, np.maximum(hi - lo, TINY), p, most)
-    spent = work.run(Boxes(lo, hi, np.arange(len(lo))))
+    spent = work.run(SearchBoxes(lo, hi, np.arange(len(lo))))
     n = lo.shape[1]
-    none = Boxes(np.zeros((0, n)), np.zeros((0, n)), np.zeros(0, dtype=np.intp))
-    boxes = Boxes.joined([none, *(b for b, _ in work.proved)])
+    none = SearchBoxes(np.zeros((0, n)), np.zeros((0, n)), np.zeros(0, dtype=np.intp))
+    boxes = SearchBoxes.joined([none, *(b for b, _ in work.proved)])
     near = np.concatenate([np.zeros((0, n)), *(m for _, m in work.proved)])
     x, rest, error = enclosed(system, near, p[boxes.owner])
     radius = error + np.abs(rest)
     inside = within(x, radius, boxes.lo, boxes.hi)
-    open_ = Boxes.joined([none, *work.open, boxes[~inside]])
+    open_ = SearchBoxes.joined([none, *work.open, boxes[~inside]])
     boxes, x, rest, error = boxes[inside], x[inside], rest[inside], error[inside]
     rows = _different(boxes, x, radius[inside])
     outside = np.ones(len(open_), dtype=bool)
@@ -438,11 +438,13 @@ def enclosed(system: SquareSystem, x: Floats, p: Floats) -> tuple[Floats, Floats
         values, slopes = system.both.arrays([list(x.T), list(p.T)], x.shape[:1])
         step = (inverse_of(slopes) @ values)[..., 0]
         x = x - np.where(np.isfinite(step), step, 0.0)
-    given = [DoubleDouble(v if len(set(v.tolist())) > 1 else v[0]) for v in p.T]
+    parameters = [DoubleDouble(v if len(set(v.tolist())) > 1 else v[0]) for v in p.T]
 
     def equations(unknowns: Values) -> tuple[Values, list[Values]]:
-        table = system.both.dense(DOUBLE_DOUBLE, [unknowns, given], 0)
-        return [row[0] for row in table], system.both.dense(DOUBLE_DOUBLE, [unknowns, given], 1)
+        table = system.both.dense(DOUBLE_DOUBLE, [unknowns, parameters], 0)
+        return [row[0] for row in table], system.both.dense(
+            DOUBLE_DOUBLE, [unknowns, parameters], 1
+        )
 
     numbers, _ = many_proved(equations, x)
     value, rest, error = (
@@ -466,7 +468,7 @@ def within(x: Floats, radius: Floats, lo: Floats, hi: Floats) -> Marks:
     return np.asarray(((low > lo) & (high < hi)).all(axis=-1))
 
 
-def _different(boxes: Boxes, x: Floats, radius: Floats) -> Owners:
+def _different(boxes: SearchBoxes, x: Floats, radius: Floats) -> Owners:
     """Rows of different zeros: one that lies in the box of another's proof is that one."""
     kept: list[int] = []
     first, owner = 0, -1
@@ -474,8 +476,8 @@ def _different(boxes: Boxes, x: Floats, radius: Floats) -> Owners:
         if boxes.owner[k] != owner:
             first, owner = len(kept), boxes.owner[k]
         rows = np.array(kept[first:], dtype=np.intp)
-        one = within(x[k], radius[k], boxes.lo[rows], boxes.hi[rows])
-        other = within(x[rows], radius[rows], boxes.lo[k], boxes.hi[k])
-        if not (one | other).any():
+        inside = within(x[k], radius[k], boxes.lo[rows], boxes.hi[rows])
+        around = within(x[rows], radius[rows], boxes.lo[k], boxes.hi[k])
+        if not (inside | around).any():
             kept.append(k)
     return np.array(kept, dtype=np.intp)

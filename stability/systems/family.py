@@ -31,7 +31,7 @@ from .equations import Equations
 from .graph.family_graph import FamilyGraph, Frame
 from .graph.ignorable import acting_on, hidden_pairs, ignorable, turned
 from .graph.smoothness import KINKED, REMOVABLE, edged, gap, sloped
-from .members import UNKNOWN, Anchor, Found, check_states, find, given_noise, rate_noise
+from .members import UNKNOWN, Anchor, FamilyRoots, check_states, find, given_noise, rate_noise
 from .sources.numeric import NumericSystem, numeric_checked, numeric_search, numeric_states
 from .system_checks import check_family
 
@@ -134,8 +134,8 @@ class Family(Record):
         name
             A name as a caller gave it.
         """
-        known = name != "at" or len(self.at) != 1 or name in self.parameters
-        return name if known else self.at[0]
+        plain = name != "at" or len(self.at) != 1 or name in self.parameters
+        return name if plain else self.at[0]
 
     def _content(self) -> tuple[Any, ...]:
         return (*super()._content(), tuple(self.unknown))  # their order is that of the guesses
@@ -181,8 +181,8 @@ class Family(Record):
     @property
     def named(self) -> tuple[str, ...]:
         """Names of the states that are given: held, solved for, or in `at`."""
-        given = *self.held, *self.unknown, *self.at
-        return tuple(n for n in given if n in self.system.states)
+        names = *self.held, *self.unknown, *self.at
+        return tuple(n for n in names if n in self.system.states)
 
     # --- states that may move ---
 
@@ -192,10 +192,10 @@ class Family(Record):
 
         Their values do not matter, and their rates need not vanish.
         """
-        given = {*self.held, *self.unknown, *self.at}
-        if given.issuperset(self.system.states):
+        names = {*self.held, *self.unknown, *self.at}
+        if names.issuperset(self.system.states):
             return ()
-        return tuple(n for n in ignorable(self.system) if n not in given)
+        return tuple(n for n in ignorable(self.system) if n not in names)
 
     @cached_property
     def resting(self) -> tuple[int, ...]:
@@ -307,21 +307,21 @@ class Family(Record):
         if isinstance(self.system, NumericSystem):
             return numeric_checked(self, a, u, q)
         states = self.states(a, u, q)
-        given = self._system_parameters(a, u, q)
-        self.system.check(states, given)
+        parameters = self._system_parameters(a, u, q)
+        self.system.check(states, parameters)
         if not (fine := self._determined(a, u, q)).all():
             i = int(np.argmin(fine))
             raise DomainError(self._undetermined(a[i], q[i]))
         try:
             require_steady(self, a, u, q, states)
             # a factor zero folds away in the family's graph, which may hide an overflow
-            self.system.rates(states, given, checked=True)
+            self.system.rates(states, parameters, checked=True)
         except StabilityError:
-            row = gap(self.system, states, given)
+            row = gap(self.system, states, parameters)
             if row is None:
                 raise
             raise DomainError(f"{self._place(a[row], q[row])}: {REMOVABLE}") from None
-        if self._has_kinks and not (fine := sloped(self.system, states, given)).all():
+        if self._has_kinks and not (fine := sloped(self.system, states, parameters)).all():
             i = int(np.argmin(fine))
             raise DomainError(self._kinked(a[i], q[i]))
         return states
@@ -341,8 +341,8 @@ class Family(Record):
         if not self.system.algebraic:
             return np.ones(len(a), dtype=bool)
         arguments = [entries(a), entries(u), entries(q)]
-        found = self.graph.determinant.arrays(arguments, a.shape[:1])[0][..., 0, 0]
-        return np.asarray(np.isfinite(found) & (found != 0))
+        determinants = self.graph.determinant.arrays(arguments, a.shape[:1])[0][..., 0, 0]
+        return np.asarray(np.isfinite(determinants) & (determinants != 0))
 
     def _undetermined(self, a: Floats, q: Floats) -> str:
         return (
@@ -410,12 +410,12 @@ class Family(Record):
             If the root-finder does not converge to an admissible root.
         """
         a, _, q = tables(self, a, q)
-        found = self.search(a, q, guess)
-        if not found.good.all():
-            raise NoMemberError(found.why(int(np.argmin(found.good))))
-        return found.u
+        roots = self.search(a, q, guess)
+        if not roots.good.all():
+            raise NoMemberError(roots.why(int(np.argmin(roots.good))))
+        return roots.u
 
-    def search(self, a: Floats, q: Floats, guess: ArrayLike | None = None) -> Found:
+    def search(self, a: Floats, q: Floats, guess: ArrayLike | None = None) -> FamilyRoots:
         """The unknowns at each row, and the rows without a member.
 
         Parameters
@@ -425,7 +425,7 @@ class Family(Record):
 
         Returns
         -------
-        Found
+        FamilyRoots
         """
         a, _, q = tables(self, a, q)
         if isinstance(self.system, NumericSystem):
@@ -434,7 +434,7 @@ class Family(Record):
         first = np.array(list(self.unknown.values()))
         u = np.tile(first, (len(a), 1))
         if not possible.any() or not self.unknown or (self.closed and guess is None):
-            return Found(u, possible, why)
+            return FamilyRoots(u, possible, why)
         if self.graph.finder is None:
             raise ParameterError(
                 f"{self.name}: the equations {', '.join(self.equations)} leave the unknowns "
@@ -447,12 +447,14 @@ class Family(Record):
                 raise ParameterError(f"guess has {len(first)} rows for {len(a)} members.")
         start = np.broadcast_to(first, u.shape)[possible]
         followed = self.anchor is not None and guess is None
-        found = find(self, a[possible], q[possible], None if followed else start)
-        u[possible], good, place = found.u, possible.copy(), np.cumsum(possible) - 1
-        good[possible] = found.good
-        return Found(u, good, lambda row: found.why(place[row]) if possible[row] else why(row))
+        roots = find(self, a[possible], q[possible], None if followed else start)
+        u[possible], good, place = roots.u, possible.copy(), np.cumsum(possible) - 1
+        good[possible] = roots.good
+        return FamilyRoots(
+            u, good, lambda row: roots.why(place[row]) if possible[row] else why(row)
+        )
 
-    def members(self, a: Floats, q: Floats) -> Found:
+    def members(self, a: Floats, q: Floats) -> FamilyRoots:
         """As `search`; a root at which the rates have no value or no slope is no member either.
 
         Parameters
@@ -462,19 +464,19 @@ class Family(Record):
 
         Returns
         -------
-        Found
+        FamilyRoots
         """
-        found = self.search(a, q)
+        roots = self.search(a, q)
         if isinstance(self.system, NumericSystem):
-            return found
-        good = found.good.copy()
-        a_, u_, q_ = a[good], found.u[good], q[good]
+            return roots
+        good = roots.good.copy()
+        a_, u_, q_ = a[good], roots.u[good], q[good]
         place = self.states(a_, u_, q_), self._system_parameters(a_, u_, q_)
         good[good] = self.system.valid(*place)
         valid = good.copy()
         determined = np.ones(len(a), dtype=bool)
-        determined[found.good] = self._determined(a_, u_, q_)
-        good[found.good] &= sloped(self.system, *place)
+        determined[roots.good] = self._determined(a_, u_, q_)
+        good[roots.good] &= sloped(self.system, *place)
         good &= determined
 
         def why(row: int) -> str:
@@ -484,9 +486,9 @@ class Family(Record):
                 return self._kinked(a[row], q[row])
             place = listing((*self.at, *self.parameters), (*a[row], *q[row]))
             no = f"{self.name} has no member at {place}: a condition of {self.system.name} fails."
-            return no if found.good[row] else found.why(row)
+            return no if roots.good[row] else roots.why(row)
 
-        return Found(found.u, good, why)
+        return FamilyRoots(roots.u, good, why)
 
     def states(self, a: Floats, u: Floats, q: Floats) -> Floats:
         """States of members whose unknowns are known.
@@ -565,26 +567,26 @@ def tables(family: Any, a: Any, q: Any, u: Any = None) -> tuple[Floats, Floats, 
     wanted = family.at, tuple(family.unknown), family.parameters
     if u is None and type(a) is np.ndarray:
         u = np.zeros((a.shape[0] if a.ndim else 1, len(wanted[1])))
-    given = a, u, q
+    arrays = a, u, q
     if all(
         type(t) is np.ndarray
         and t.dtype == float
         and t.ndim == 2
         and t.shape == (a.shape[0], len(its))
         and np.isfinite(t).all()
-        for t, its in zip(given, wanted, strict=True)
+        for t, its in zip(arrays, wanted, strict=True)
     ):
         return a, u, q
     first = rows("a", a, family.at).reshape(-1, len(family.at))
-    found = [first]
-    for what, table, its in zip("uq", given[1:], wanted[1:], strict=True):
+    columns = [first]
+    for what, table, its in zip("uq", arrays[1:], wanted[1:], strict=True):
         empty = not its or (what == "u" and u is None)
         numbers = np.zeros((len(first), len(its))) if empty else rows(what, table, its)
-        found.append(numbers.reshape(-1, len(its)) if its else numbers)
-    if len({len(t) for t in found}) > 1:
-        listed = ", ".join(str(t.shape) for t in found)
+        columns.append(numbers.reshape(-1, len(its)) if its else numbers)
+    if len({len(t) for t in columns}) > 1:
+        listed = ", ".join(str(t.shape) for t in columns)
         raise ParameterError(f"a, u and q have shapes {listed}; give as many rows of each.")
-    return found[0], found[1], found[2]
+    return columns[0], columns[1], columns[2]
 
 
 def require_steady(family: Any, a: Floats, u: Floats, q: Floats, states: Floats) -> None:

@@ -66,19 +66,19 @@ class LinearSystem(System):
     def rates(self, x: ArrayLike, p: ArrayLike, *, checked: bool = False) -> Floats:  # noqa: ARG002
         """A x, as of any system."""
         arguments, _ = self._arguments(x, p)
-        found = np.stack(arguments[0], axis=-1) @ self.coefficients.constant[0].T
-        return self._finite(found[..., None], arguments)[..., 0]
+        rates = np.stack(arguments[0], axis=-1) @ self.coefficients.constant[0].T
+        return self._finite(rates[..., None], arguments)[..., 0]
 
     @cached_property
     def rhs(self) -> ca.SX:
         """A x as an expression."""
-        known, n = self.coefficients, len(self.states)
+        entries, n = self.coefficients, len(self.states)
         matrix = ca.DM.triplet(
-            known.rows.tolist(), known.columns.tolist(), ca.DM(known.values), n, n
+            entries.rows.tolist(), entries.columns.tolist(), ca.DM(entries.values), n, n
         )
         with no_folding():
-            found = ca.mtimes(ca.SX(matrix), self.x)
-            return found if (known.divisors == 1).all() else found / ca.DM(known.divisors)
+            product = ca.mtimes(ca.SX(matrix), self.x)
+            return product if (entries.divisors == 1).all() else product / ca.DM(entries.divisors)
 
 
 def linear(*matrices: Any, states: Sequence[str] | None = None, name: str = "linear") -> Family:
@@ -124,17 +124,17 @@ def linear(*matrices: Any, states: Sequence[str] | None = None, name: str = "lin
     if len(matrices) not in (1, 3):
         raise ParameterError(f"{len(matrices)} matrices are given; give A, or M, C and K.")
     words = "A" if len(matrices) == 1 else "MCK"
-    given = [_read(word, matrix) for word, matrix in zip(words, matrices, strict=True)]
-    shapes = [matrix.shape for matrix in given]
+    read = [_read(word, matrix) for word, matrix in zip(words, matrices, strict=True)]
+    shapes = [matrix.shape for matrix in read]
     n = int(shapes[0][0])
     if not n or any(shape != (n, n) for shape in shapes):
         said = ", ".join(f"{w} {m} x {k}" for w, (m, k) in zip(words, shapes, strict=True))
         raise ParameterError(f"the matrices are {said}; give square ones of one size.")
-    letter = "x" if len(given) == 1 else "q"
-    own = names("states", tuple(f"{letter}{i}" for i in range(n)) if states is None else states)
-    if len(own) != n:
-        raise ParameterError(f"states has {len(own)} names for {n} rows; give one for each row.")
-    system = _with_mass(name, own, *given) if len(given) == 3 else _plain(name, own, given[0])
+    letter = "x" if len(read) == 1 else "q"
+    labels = names("states", tuple(f"{letter}{i}" for i in range(n)) if states is None else states)
+    if len(labels) != n:
+        raise ParameterError(f"states has {len(labels)} names for {n} rows; give one for each row.")
+    system = _with_mass(name, labels, *read) if len(read) == 3 else _plain(name, labels, read[0])
     at, held = system.parameters, dict.fromkeys(system.states, 0.0)
     return Family(system, "rest", at=at, held=held)
 
@@ -145,14 +145,14 @@ def _read(word: str, matrix: Any) -> Any:
         return ca.sparsify(matrix)
     if isinstance(matrix, (ca.SX, ca.DM)):
         matrix = ca.DM(matrix).full()
-    known = matrix if sparse.issparse(matrix) else np.asarray(checked(word, matrix))
-    if known.ndim != 2:
-        raise ParameterError(f"{word} has shape {known.shape}; give a matrix.")
-    found = sparse.coo_array(known)
-    found.sum_duplicates()
-    if found.nnz:
-        found.data = np.asarray(checked(word, found.data), dtype=float)
-    return found
+    array = matrix if sparse.issparse(matrix) else np.asarray(checked(word, matrix))
+    if array.ndim != 2:
+        raise ParameterError(f"{word} has shape {array.shape}; give a matrix.")
+    entries = sparse.coo_array(array)
+    entries.sum_duplicates()
+    if entries.nnz:
+        entries.data = np.asarray(checked(word, entries.data), dtype=float)
+    return entries
 
 
 def _expression(matrix: Any) -> ca.SX:
@@ -179,9 +179,9 @@ def _with_mass(name: str, places: tuple[str, ...], mass: Any, damping: Any, stif
         weights = mass.diagonal()
         if not weights.all():
             raise ParameterError("M is singular; give a mass that is not zero in each row.")
-        own = np.arange(n)
-        rows = np.concatenate([own, stiff.coords[0] + n, damping.coords[0] + n])
-        columns = np.concatenate([own + n, stiff.coords[1], damping.coords[1] + n])
+        indices = np.arange(n)
+        rows = np.concatenate([indices, stiff.coords[0] + n, damping.coords[0] + n])
+        columns = np.concatenate([indices + n, stiff.coords[1], damping.coords[1] + n])
         values = np.concatenate([np.ones(n), -stiff.data, -damping.data])
         divisors = np.concatenate([np.ones(n), weights])
         return LinearSystem(name, places + speeds, ConstantMatrix(rows, columns, values, divisors))

@@ -43,7 +43,7 @@ def _at_points(
 
     The first `zeros` symbols are zero at every point.
     """
-    found = []
+    judged = []
     try:
         program = Program(ca.Function("identity", [symbols], [ca.densify(matrix)]))
         with precision(BITS):
@@ -52,10 +52,10 @@ def _at_points(
                 values = program.dense(balls(), [point])
                 rows = [[arb(v) for v in row] for row in values]
                 if all(v.is_finite() for row in rows for v in row):
-                    found.append(judge(rows))
+                    judged.append(judge(rows))
     except (StabilityError, ZeroDivisionError):  # an operation that balls do not have
         return []
-    return found
+    return judged
 
 
 def _is_zero(value: Any) -> bool:
@@ -80,8 +80,8 @@ def _vanishing(column: ca.SX, symbols: ca.SX) -> list[bool]:
     """
     if not column.numel():
         return []
-    found = _at_points(column, symbols, lambda rows: [_is_zero(row[0]) for row in rows])
-    return [bool(found) and all(f[i] for f in found) for i in range(column.numel())]
+    zeros = _at_points(column, symbols, lambda rows: [_is_zero(row[0]) for row in rows])
+    return [bool(zeros) and all(f[i] for f in zeros) for i in range(column.numel())]
 
 
 def singular(matrix: ca.SX, symbols: ca.SX) -> bool:
@@ -102,8 +102,8 @@ def singular(matrix: ca.SX, symbols: ca.SX) -> bool:
     """
     if _plainly_regular(matrix, symbols):
         return False
-    found = _at_points(matrix, symbols, lambda rows: _is_zero(arb_mat(rows).det()))
-    return bool(found) and all(found)
+    zeros = _at_points(matrix, symbols, lambda rows: _is_zero(arb_mat(rows).det()))
+    return bool(zeros) and all(zeros)
 
 
 def _plainly_regular(matrix: ca.SX, symbols: ca.SX) -> bool:
@@ -147,12 +147,12 @@ def _pivots_of(matrix: ca.SX, symbols: ca.SX, states: int) -> list[tuple[int, in
     def plain(rows: Any) -> list[list[float]]:
         return [[float(v) for v in row] for row in rows]
 
-    found = _at_points(matrix, symbols, plain)
+    matrices = _at_points(matrix, symbols, plain)
     size = matrix.size1()
-    if not found:
+    if not matrices:
         return [(i, i) for i in range(size)]
     near = _at_points(matrix, symbols, plain, states)[:1]
-    values = np.array([*near, *found])
+    values = np.array([*near, *matrices])
     values /= np.maximum(np.abs(values).max(axis=(0, 2), keepdims=True), 1e-300)
     rows, columns = list(range(size)), list(range(size))
     order = []
@@ -196,7 +196,7 @@ def _best(
 
 
 @dataclass(frozen=True, eq=False)
-class Model:
+class MechanicalModel:
     """Energies, forces and constraints of a mechanical system, with the names of its symbols."""
 
     q: ca.SX
@@ -242,8 +242,8 @@ def _symbols_of(what: str, value: Any) -> tuple[ca.SX, tuple[str, ...]]:
         raise ParameterError(
             f"{what} is {shown(value)}; give one column of symbols, as SX.sym does."
         )
-    found = [s.name() for s in ca.vertsplit(column)] if column.numel() else []
-    return column, names(f"the names of {what}", found)
+    labels = [s.name() for s in ca.vertsplit(column)] if column.numel() else []
+    return column, names(f"the names of {what}", labels)
 
 
 def _read_model(
@@ -257,22 +257,22 @@ def _read_model(
     q_dot: Any,
     velocity_constraints: Any,
     holonomic: Any,
-) -> Model:
+) -> MechanicalModel:
     """The model, or a refusal that says what does not fit."""
-    (q, at), (u, speeds), (p, given) = (
+    (q, at), (u, speeds), (p, parameters) = (
         _symbols_of(w, v) for w, v in (("q", q), ("u", u), ("p", p))
     )
     if not (q.numel() and u.numel()):
         raise ParameterError("q or u is empty; give at least one coordinate and one velocity.")
-    names("q, u and p", [*at, *speeds, *given])
+    names("q, u and p", [*at, *speeds, *parameters])
     place, everything = ca.vertcat(q, p), ca.vertcat(q, u, p)
     on_rates = _by_name("velocity_constraints", velocity_constraints, 1)
     on_places = _by_name("holonomic", holonomic, 1 + len(on_rates))
     labels = names("velocity_constraints and holonomic", [*on_rates, *on_places])
-    for name, one in on_rates.items():
-        within(f"velocity constraint {name}", one, everything, "q, u or p")
-    for name, one in on_places.items():
-        within(f"holonomic constraint {name}", one, place, "q or p")
+    for name, value in on_rates.items():
+        within(f"velocity constraint {name}", value, everything, "q, u or p")
+    for name, value in on_places.items():
+        within(f"holonomic constraint {name}", value, place, "q or p")
     rates = _kinematics(q, u, q_dot, everything)
     moving = [*on_rates.values(), *(ca.jtimes(e, q, rates) for e in on_places.values())]
     column = ca.vertcat(*moving) if moving else ca.SX(0, 1)
@@ -286,8 +286,8 @@ def _read_model(
     energy = within("kinetic", expression("kinetic", kinetic, 1, 1), everything, "q, u or p")
     height = within("potential", expression("potential", potential, 1, 1), place, "q or p")
     force = within("forces", _forces(forces, speeds), everything, "q, u or p")
-    return Model(
-        q, u, p, at, speeds, given, energy, height, force, rates, labels, column, on_places
+    return MechanicalModel(
+        q, u, p, at, speeds, parameters, energy, height, force, rates, labels, column, on_places
     )
 
 
@@ -386,13 +386,13 @@ class Balance:
     """Pivots (row, column)."""
 
 
-def unknowns(model: Model) -> tuple[str, ...]:
+def unknowns(model: MechanicalModel) -> tuple[str, ...]:
     """Names of accelerations and multipliers."""
     rates = [f"d_{s}" for s in model.velocities]
     return (*rates, *[f"multiplier_{c}" for c in model.constraints])
 
 
-def _balance(model: Model, solved: Mapping[int, int]) -> Balance:
+def _balance(model: MechanicalModel, solved: Mapping[int, int]) -> Balance:
     """The equations of motion of a model.
 
     Parameters
@@ -413,8 +413,8 @@ def _balance(model: Model, solved: Mapping[int, int]) -> Balance:
     turning = ca.sparsify(_brackets(slopes, rates, q))
     if turning.nnz():  # N (NᵀN)⁻¹: the Gram matrix is positive wherever q̇ determines u
         gram = slopes.T @ slopes
-        own, _ = eliminate(gram, momenta, [(i, i) for i in range(u.numel())])
-        forcing -= turning.T @ (slopes @ ca.vertcat(*own))
+        coordinates, _ = eliminate(gram, momenta, [(i, i) for i in range(u.numel())])
+        forcing -= turning.T @ (slopes @ ca.vertcat(*coordinates))
     mass = ca.jacobian(momenta, u)
     held = ca.jacobian(model.rates, u)
     count = len(model.constraints)
@@ -432,7 +432,7 @@ def _balance(model: Model, solved: Mapping[int, int]) -> Balance:
     return Balance(whole, right, energy, power, tuple(order))
 
 
-def _refuse_singular(model: Model, mass: ca.SX, whole: ca.SX, solved: Any) -> None:
+def _refuse_singular(model: MechanicalModel, mass: ca.SX, whole: ca.SX, solved: Any) -> None:
     if not solved and singular(mass, model.symbols):
         raise ParameterError(
             "kinetic gives a mass matrix that is singular at every state; give each velocity a "
@@ -445,7 +445,7 @@ def _refuse_singular(model: Model, mass: ca.SX, whole: ca.SX, solved: Any) -> No
         )
 
 
-def choice(model: Model, independent: Any, pivots: Any) -> dict[int, int]:
+def choice(model: MechanicalModel, independent: Any, pivots: Any) -> dict[int, int]:
     """The velocity for which each constraint is solved, in the order of elimination.
 
     Parameters
@@ -481,20 +481,20 @@ def choice(model: Model, independent: Any, pivots: Any) -> dict[int, int]:
                 f"pivots is {shown(pivots)}; give each velocity outside independent one constraint."
             )
         return table
-    found = _pivots_of(
+    order = _pivots_of(
         ca.jacobian(model.rates, model.u)[:, rest],
         model.symbols,
         len(model.coordinates) + len(model.velocities),
     )
-    if found is None:
+    if order is None:
         raise ParameterError(
             "the constraints do not determine the velocities outside independent at any state; "
             "give another choice of independent."
         )
-    return {row: rest[column] for row, column in found}
+    return {row: rest[column] for row, column in order}
 
 
-def _stated(model: Model, pivots: Any) -> dict[int, int]:
+def _stated(model: MechanicalModel, pivots: Any) -> dict[int, int]:
     if pivots is None:
         return {}
     table = mapping("pivots", pivots)
@@ -510,18 +510,18 @@ def _stated(model: Model, pivots: Any) -> dict[int, int]:
     }
 
 
-def _dependent(model: Model, solved: Mapping[int, int]) -> tuple[ca.SX, ca.SX]:
+def _dependent(model: MechanicalModel, solved: Mapping[int, int]) -> tuple[ca.SX, ca.SX]:
     """The dependent velocities, and what they are in terms of the independent ones."""
     places = list(solved.values())
     symbols = model.u[places]
     rows = model.rates[list(solved)]
     without = ca.substitute(rows, symbols, ca.SX.zeros(len(places), 1))
     order = [(i, i) for i in range(len(places))]
-    found, _ = eliminate(ca.jacobian(rows, symbols), -without, order)
-    return symbols, ca.vertcat(*found)
+    values, _ = eliminate(ca.jacobian(rows, symbols), -without, order)
+    return symbols, ca.vertcat(*values)
 
 
-def _refuse_pivots(model: Model, solved: Mapping[int, int], slopes: ca.SX) -> None:
+def _refuse_pivots(model: MechanicalModel, solved: Mapping[int, int], slopes: ca.SX) -> None:
     """Refuse an order in which a pivot vanishes identically."""
     for size, (constraint, speed) in enumerate(solved.items(), 1):
         if singular(slopes[:size, :size], model.symbols):
@@ -533,7 +533,7 @@ def _refuse_pivots(model: Model, solved: Mapping[int, int], slopes: ca.SX) -> No
 
 
 def _guarded(
-    model: Model, solved: Mapping[int, int], pivots: Sequence[ca.SX]
+    model: MechanicalModel, solved: Mapping[int, int], pivots: Sequence[ca.SX]
 ) -> tuple[dict[str, ca.SX], list[Condition]]:
     """The pivots that are not constant, as observables, and as conditions."""
     speeds, constraints = model.velocities, model.constraints
@@ -565,7 +565,9 @@ def _guarded(
     return seen, conditions
 
 
-def _invariant(model: Model, outputs: Mapping[str, ca.SX], left: Sequence[str]) -> dict[str, bool]:
+def _invariant(
+    model: MechanicalModel, outputs: Mapping[str, ca.SX], left: Sequence[str]
+) -> dict[str, bool]:
     """Whether each output is the same for every value of the coordinates that are left out."""
     places = model.q[[model.coordinates.index(n) for n in left]]
     along = ca.SX.sym("along", places.numel())  # any direction: each slope has its own factor
@@ -708,7 +710,7 @@ def mechanics(
     )
     solved = choice(model, independent, pivots)
     limits = _limits(model, conditions)
-    graph = _graph(model, solved, _own(model, observables), limits)
+    graph = _graph(model, solved, _observed(model, observables), limits)
     states = [*model.coordinates, *model.velocities]
     if independent is not None and solved:
         gone = [model.velocities[i] for i in solved.values()]
@@ -725,7 +727,7 @@ def mechanics(
         zip((*model.coordinates, *model.velocities), ca.vertsplit(ca.vertcat(q, u)), strict=True)
     )
     gone_too = [s for s in table if s not in states and s not in graph.seen]
-    given = {n: unit for n, unit in mapping("units", units or {}).items() if n not in gone_too}
+    kept_units = {n: unit for n, unit in mapping("units", units or {}).items() if n not in gone_too}
     return System(
         name,
         ca.vertcat(*[table[s] for s in states]),
@@ -735,7 +737,7 @@ def mechanics(
         model.parameters,
         graph.seen,
         graph.conditions,
-        given,
+        kept_units,
         graph.mass,
         graph.forcing,
         unknowns(model),
@@ -764,15 +766,15 @@ class _Graph:
         limits = [c.value for c in self.conditions]
         return [self.mass, self.forcing, *self.rates.values(), *self.seen.values(), *limits]
 
-    def _renewed(self, found: list[ca.SX]) -> _Graph:
-        rates = dict(zip(self.rates, found[2:], strict=False))
-        seen = dict(zip(self.seen, found[2 + len(rates) :], strict=False))
-        rest = found[2 + len(rates) + len(seen) :]
+    def _renewed(self, expressions: list[ca.SX]) -> _Graph:
+        rates = dict(zip(self.rates, expressions[2:], strict=False))
+        seen = dict(zip(self.seen, expressions[2 + len(rates) :], strict=False))
+        rest = expressions[2 + len(rates) + len(seen) :]
         conditions = [replace(c, value=v) for c, v in zip(self.conditions, rest, strict=True)]
-        return _Graph(found[0], found[1], rates, seen, tuple(conditions))
+        return _Graph(expressions[0], expressions[1], rates, seen, tuple(conditions))
 
 
-def _own(model: Model, observables: Any) -> dict[str, ca.SX]:
+def _observed(model: MechanicalModel, observables: Any) -> dict[str, ca.SX]:
     """The user's observables, checked."""
     table = {} if observables is None else mapping("observables", observables)
     return {
@@ -781,7 +783,7 @@ def _own(model: Model, observables: Any) -> dict[str, ca.SX]:
     }
 
 
-def _limits(model: Model, conditions: Any) -> list[Condition]:
+def _limits(model: MechanicalModel, conditions: Any) -> list[Condition]:
     """The user's conditions, checked."""
     if not isinstance(conditions, (tuple, list)) or not all(
         isinstance(c, Condition) for c in conditions
@@ -793,7 +795,10 @@ def _limits(model: Model, conditions: Any) -> list[Condition]:
 
 
 def _graph(
-    model: Model, solved: Mapping[int, int], own: dict[str, ca.SX], limits: list[Condition]
+    model: MechanicalModel,
+    solved: Mapping[int, int],
+    observed: dict[str, ca.SX],
+    limits: list[Condition],
 ) -> _Graph:
     """Rates, observables and conditions with every velocity as a state."""
     parts = _balance(model, solved)
@@ -810,11 +815,15 @@ def _graph(
         if label in model.positions:
             seen[f"residual_rate_{label}"] = model.rates[i]
     pivotal, guards = _guarded(model, solved, pivots)
-    names("observables", [*seen, *pivotal, *own])
-    return _Graph(parts.mass, parts.forcing, rates, seen | pivotal | own, tuple([*guards, *limits]))
+    names("observables", [*seen, *pivotal, *observed])
+    return _Graph(
+        parts.mass, parts.forcing, rates, seen | pivotal | observed, tuple([*guards, *limits])
+    )
 
 
-def _reduced(model: Model, graph: _Graph, solved: Mapping[int, int], gone: list[str]) -> _Graph:
+def _reduced(
+    model: MechanicalModel, graph: _Graph, solved: Mapping[int, int], gone: list[str]
+) -> _Graph:
     """The same in independent velocities; the others become observables."""
     symbols, values = _dependent(model, solved)
     extra = {s: symbols[i] for i, s in enumerate(gone)}
@@ -824,7 +833,7 @@ def _reduced(model: Model, graph: _Graph, solved: Mapping[int, int], gone: list[
 
 
 def _without(
-    model: Model, graph: _Graph, states: list[str], left: tuple[str, ...], limits: int
+    model: MechanicalModel, graph: _Graph, states: list[str], left: tuple[str, ...], limits: int
 ) -> _Graph:
     """The same without coordinates that no equation contains, or a refusal.
 
@@ -832,8 +841,8 @@ def _without(
     the rates do not: the elimination is then that at zero.
     """
     vital = {f"rate of {s}": graph.rates[s] for s in states}
-    own = graph.conditions[len(graph.conditions) - limits :]
-    vital |= {f"condition {i + 1}": c.value for i, c in enumerate(own)}
+    conditions = graph.conditions[len(graph.conditions) - limits :]
+    vital |= {f"condition {i + 1}": c.value for i, c in enumerate(conditions)}
     same = _invariant(model, vital | graph.seen, left)
     for what in vital:
         if not same[what]:

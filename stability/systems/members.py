@@ -33,7 +33,7 @@ GIVEN = 4 * UNIT
 """Relative error of a given number: two units in the last place."""
 
 
-def _known(block: Floats) -> list[RunningError]:
+def _rounded_columns(block: Floats) -> list[RunningError]:
     """Columns of given numbers, each with the error of a given number."""
     return [RunningError(c, GIVEN * np.abs(c)) for c in block.T]
 
@@ -50,8 +50,8 @@ def _step_noise(
         sound = np.isfinite(slope).all(axis=(1, 2)) & (np.linalg.det(slope) != 0)
     if sound.any():
         with np.errstate(all="ignore"):  # an infinite error makes the noise infinite
-            found = (np.abs(np.linalg.inv(slope[sound])) @ size[sound])[..., 0]
-        noise[sound] = np.where(np.isnan(found), np.inf, found)
+            moves = (np.abs(np.linalg.inv(slope[sound])) @ size[sound])[..., 0]
+        noise[sound] = np.where(np.isnan(moves), np.inf, moves)
     return noise
 
 
@@ -79,8 +79,10 @@ def rate_noise(
         if u.shape[1] and not graph.closed:
             root = root + 2 * _step_noise(graph, a, u, q, whole=True)
         solved = [RunningError(c, e) for c, e in zip(u.T, root.T, strict=True)]
-        found = running_error_arrays(graph.rates, [_known(a), solved, _known(q)], a.shape[:1])
-        bound: Floats = 2 * found[0][1][..., 0] + given_noise(states, matrix)
+        values = running_error_arrays(
+            graph.rates, [_rounded_columns(a), solved, _rounded_columns(q)], a.shape[:1]
+        )
+        bound: Floats = 2 * values[0][1][..., 0] + given_noise(states, matrix)
     return bound
 
 
@@ -125,10 +127,10 @@ def roots(
     u, good
         Unknowns, shape (N, u), and whether each row is an isolated, admissible root.
     """
-    u, good = _found(graph, a, q, start, positive)
+    u, good = _accepted_roots(graph, a, q, start, positive)
 
     def again(rows: NDArray[np.intp], other: Floats) -> None:
-        new, fine = _found(graph, a[rows], q[rows], other, positive)
+        new, fine = _accepted_roots(graph, a[rows], q[rows], other, positive)
         u[rows[fine]], good[rows[fine]] = new[fine], True
 
     for share in SHARES if positive else ():
@@ -148,7 +150,7 @@ def roots(
     return u, good
 
 
-def _found(
+def _accepted_roots(
     graph: FamilyGraph, a: Floats, q: Floats, start: Floats, positive: Sequence[int]
 ) -> tuple[Floats, NDArray[np.bool_]]:
     assert graph.finder is not None
@@ -279,8 +281,8 @@ def _at(lines: Curve, rows: Any, u: Floats, t: Floats) -> tuple[Floats, Floats, 
 
 def _crosses(line: Curve, u: Floats, t: float, h: float) -> bool:
     """Whether a branch point is resolved next to a point: no narrow gap, which is no way."""
-    found = locate_branch_point(line, np.array([*u, t]))
-    return found.resolved and bool(abs(found.z[-1] - t) <= h)
+    point = locate_branch_point(line, np.array([*u, t]))
+    return point.resolved and bool(abs(point.z[-1] - t) <= h)
 
 
 def follow(graph: FamilyGraph, cut: int, start: Floats, u: Floats, stop: Floats) -> Followed:
@@ -432,7 +434,7 @@ STEEP = ", where it changes too fast to follow; a known member closer by may rea
 """The same where no singular point is resolved."""
 
 
-class Found(NamedTuple):
+class FamilyRoots(NamedTuple):
     """Unknowns row by row, and where there are none."""
 
     u: Floats
@@ -443,7 +445,7 @@ class Found(NamedTuple):
     """The sentence that says why a row has no member."""
 
 
-def find(family: Any, a: Floats, q: Floats, start: Floats | None) -> Found:
+def find(family: Any, a: Floats, q: Floats, start: Floats | None) -> FamilyRoots:
     """The unknowns of each row, from first guesses or from the family's known member.
 
     Parameters
@@ -456,25 +458,27 @@ def find(family: Any, a: Floats, q: Floats, start: Floats | None) -> Found:
         First guesses, shape (N, u); None to follow from the family's anchor.
     """
     # members that differ only in numbers outside the equations (mu, for the disk) share a root
-    given = np.hstack([a, q])
+    numbers = np.hstack([a, q])
     key = (
-        given[:, family.graph.used]
+        numbers[:, family.graph.used]
         if start is None
-        else np.hstack([given[:, family.graph.used], start])
+        else np.hstack([numbers[:, family.graph.used], start])
     )
     inverse = np.arange(len(key))
-    unused = np.setdiff1d(np.arange(given.shape[1]), family.graph.used)
-    if len(key) > 1 and (given[:, unused] != given[:1, unused]).any():
+    unused = np.setdiff1d(np.arange(numbers.shape[1]), family.graph.used)
+    if len(key) > 1 and (numbers[:, unused] != numbers[:1, unused]).any():
         inverse = np.unique(key, axis=0, return_inverse=True)[1].ravel()
     first = np.zeros(inverse.max(initial=-1) + 1, dtype=int)
     first[inverse] = np.arange(len(a))
     positive = [i for i, name in enumerate(family.unknown) if name in family.positive]
     if start is None:
-        found = _followed(family, a[first], q[first], positive)
+        members = _followed(family, a[first], q[first], positive)
     else:
         u, good = _rooted(family, a[first], q[first], start[first], positive)
-        found = Found(u, good, lambda row: _unreached(family, a[first][row], q[first][row]))
-    return Found(found.u[inverse], found.good[inverse], lambda row: found.why(inverse[row]))
+        members = FamilyRoots(u, good, lambda row: _unreached(family, a[first][row], q[first][row]))
+    return FamilyRoots(
+        members.u[inverse], members.good[inverse], lambda row: members.why(inverse[row])
+    )
 
 
 def _rooted(
@@ -505,13 +509,15 @@ def _unreached(family: Any, a: Floats, q: Floats) -> str:
     )
 
 
-def _followed(family: Any, a: Floats, q: Floats, positive: Sequence[int]) -> Found:
+def _followed(family: Any, a: Floats, q: Floats, positive: Sequence[int]) -> FamilyRoots:
     """Members on the smooth sheet of the anchor, each along a straight line."""
-    given, anchor = np.hstack([a, q]), family.anchor
+    numbers, anchor = np.hstack([a, q]), family.anchor
     start = np.tile(anchor.given, (len(a), 1)), np.tile(anchor.unknown, (len(a), 1))
     # each row from the anchor itself: a member next to another may lie beyond the end of the sheet
-    u, good, share = _ended(family.graph, a.shape[1], (*start, given), positive)
-    return Found(u, good, lambda row: _stopped(family, given[row], u[row], share[row], positive))
+    u, good, share = _ended(family.graph, a.shape[1], (*start, numbers), positive)
+    return FamilyRoots(
+        u, good, lambda row: _stopped(family, numbers[row], u[row], share[row], positive)
+    )
 
 
 def _ended(
@@ -519,10 +525,10 @@ def _ended(
 ) -> tuple[Floats, NDArray[np.bool_], Floats]:
     """Members at the ends of lines, polished; whether each was reached; shares of the lines."""
     start, u, stop = line
-    found, share = follow(graph, cut, start, u, stop)
+    members, share = follow(graph, cut, start, u, stop)
     good = share == 1
     if good.any():
-        a, q, near = stop[good][:, :cut], stop[good][:, cut:], found[good]
+        a, q, near = stop[good][:, :cut], stop[good][:, cut:], members[good]
         steps = []
         for _ in range(3):  # the last correction on the way need not be small
             steps.append(newton_step(graph, a, near, q))
@@ -533,9 +539,9 @@ def _ended(
         polished, root = roots(graph, a, q, near, positive)
         # the polish moves by rounding alone, or it went to another root
         fine &= root & (np.abs(polished - near) <= THIRD * size).all(axis=1)
-        found[good] = np.where(fine[:, None], polished, near)
+        members[good] = np.where(fine[:, None], polished, near)
         good[good] = fine
-    return found, good, share
+    return members, good, share
 
 
 def _stopped(family: Any, asked: Floats, u: Floats, share: float, positive: Sequence[int]) -> str:
@@ -586,11 +592,11 @@ def check_states(family: Any) -> None:
             raise NameUnknownError(
                 f"at is {shown(name)}, neither a state nor a parameter of {system.name}."
             )
-    given = family.named
+    labels = family.named
     for state in system.states:
-        if given.count(state) != 1 and (state in given or state not in family.left_out):
+        if labels.count(state) != 1 and (state in labels or state not in family.left_out):
             raise ParameterError(
-                f"state {shown(state)} of {whose} is given {given.count(state)} "
+                f"state {shown(state)} of {whose} is given {labels.count(state)} "
                 "times; name each state once, in at, held or unknown."
             )
     if len(family.unknown) != len(family.equations):

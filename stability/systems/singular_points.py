@@ -59,8 +59,8 @@ class Curve(Record):
         r, slope
             Shapes (N, u) and (N, u, u + 1).
         """
-        given = list(self.given(z).T)
-        arguments = [given[: self.cut], list(z.T[:-1]), given[self.cut :]]
+        numbers = list(self.given(z).T)
+        arguments = [numbers[: self.cut], list(z.T[:-1]), numbers[self.cut :]]
         r, r_u, r_g = self.graph.along.arrays(arguments, z.shape[:1])
         return r[..., 0], np.concatenate([r_u, r_g @ self.turn[..., None]], axis=2)
 
@@ -69,8 +69,8 @@ class Curve(Record):
         exact = [RunningError(np.array([v]), np.zeros(1)) for v in (*self.given(z[None])[0], *z)]
         m = len(self.start)
         arguments = [exact[: self.cut], exact[m:-1], exact[self.cut : m]]
-        found: Floats = running_error_arrays(self.graph.residual, arguments, (1,))[0][1][0, :, 0]
-        return found
+        bounds: Floats = running_error_arrays(self.graph.residual, arguments, (1,))[0][1][0, :, 0]
+        return bounds
 
     def turning(self, z: Floats) -> Floats:
         """Derivatives of the slope by each part of z, shape (u + 1, u, u + 1)."""
@@ -203,8 +203,8 @@ def directions(curve: Curve, point: Located) -> Floats | None:
     # a α² + 2 b α β + c β² = 0, by the larger of the two outer coefficients
     far = -b - np.copysign(np.sqrt(inside), b)
     pairs = np.array([[far, a], [c, far]])  # (α, β) with both quotients free of cancellation
-    found = pairs @ plane
-    unit: Floats = found / np.linalg.norm(found, axis=1, keepdims=True)
+    both = pairs @ plane
+    unit: Floats = both / np.linalg.norm(both, axis=1, keepdims=True)
     return unit
 
 
@@ -234,20 +234,20 @@ def singular_point(curve: Curve, end: Floats, reach: float) -> tuple[str, Locate
         are not resolved; None where no such point is.
     """
 
-    def near(found: Located) -> bool:
-        way = np.abs(found.z - end)
+    def near(candidate: Located) -> bool:
+        way = np.abs(candidate.z - end)
         close = bool((way[:-1] <= NEAR * (1 + np.abs(end[:-1]))).all())
-        return found.resolved and close and bool(way[-1] <= reach)
+        return candidate.resolved and close and bool(way[-1] <= reach)
 
     # the equations of a fold hold at a pitchfork too, those of a branch point at no fold
-    found = locate_branch_point(curve, end)
-    if near(found):
-        kind = kind_of_crossing(directions(curve, found))
+    located = locate_branch_point(curve, end)
+    if near(located):
+        kind = kind_of_crossing(directions(curve, located))
         words = {"transcritical": "transcritical point", "unresolved": "branch point"}
-        return words.get(kind, kind), found
-    found = locate_fold(curve, end)
-    if near(found):
-        return "cusp" if _upright(curve, found) else "fold", found
+        return words.get(kind, kind), located
+    located = locate_fold(curve, end)
+    if near(located):
+        return "cusp" if _upright(curve, located) else "fold", located
     return None
 
 
@@ -303,12 +303,12 @@ def crossings(curve: Curve, z: Floats) -> list[tuple[Located, Floats]]:
     slope = curve.at(z)[1][:, :, :-1]
     sign = np.linalg.slogdet(slope)[0]
     kept = np.flatnonzero(sign)  # a member on the very point has no sign
-    found = []
+    located = []
     for i, j in zip(kept[:-1], kept[1:], strict=True):
         if sign[i] != sign[j]:
             middle, way = (z[i] + z[j]) / 2, z[j] - z[i]
             point = locate_branch_point(curve, middle)
             if not np.linalg.norm(point.z - middle) <= np.linalg.norm(way):
                 point = Located(middle, np.abs(way) / 2, False, point.left)
-            found.append((point, way))
-    return found
+            located.append((point, way))
+    return located

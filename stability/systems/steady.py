@@ -67,23 +67,23 @@ def steady(
         Values of parameters at the guess, and `typical`, `conservative`, `integrals`, `drifts`
         of `Family`.
     """
-    given = mapping("guess", guess or {})
+    guessed = mapping("guess", guess or {})
     of_family = {
         n: options.pop(n)
         for n in ("typical", "conservative", "integrals", "drifts")
         if n in options
     }
-    twice = [n for n in options if n in given]
+    twice = [n for n in options if n in guessed]
     if twice:
         raise ParameterError(f"{shown(twice[0])} is given in guess and by name; give it once.")
-    given |= options
-    for what in given:
+    guessed |= options
+    for what in guessed:
         if what not in (*system.states, *system.parameters):
             raise NameUnknownError(
                 f"guess names {shown(what)}; known are "
                 f"{', '.join((*system.states, *system.parameters))}."
             )
-    given = {n: one_number(f"guess {n}", v) for n, v in given.items()}
+    guessed = {n: one_number(f"guess {n}", v) for n, v in guessed.items()}
     where = (at,) if isinstance(at, str) else names("at", at)
     fixed: dict[str, Any] = mapping("held", held or {})
     for what in fixed:
@@ -94,31 +94,31 @@ def steady(
         known("unknown", what, system.parameters)
     sought = [n for n in system.states if n not in fixed and n not in where]
     solved = names("equations", equations) if equations is not None else None
-    for what in [n for n in sought if n in moving or (n not in given and _ignorable(system, n))]:
+    for what in [n for n in sought if n in moving or (n not in guessed and _ignorable(system, n))]:
         sought.remove(what)
     if solved is None:
-        for what in _resting(system, fixed, sought, given):
+        for what in _resting(system, fixed, sought, guessed):
             fixed[what] = 0.0
             sought.remove(what)
         every = [*sought, *trimmed]
         try:
-            solved = independent_rates(system, fixed, every, given, moving)
+            solved = independent_rates(system, fixed, every, guessed, moving)
         except ParameterError:  # an ignorable state that rests decides what the others leave open
             if not moving:
                 raise
-            solved, moving = independent_rates(system, fixed, every, given, ()), ()
+            solved, moving = independent_rates(system, fixed, every, guessed, ()), ()
     for what in system.states:
         if what not in (*fixed, *where, *sought, *moving):
             fixed[what] = 0.0  # no rate depends on it, so any value is as good
-    missing = [n for n in (*where, *system.parameters) if n not in given]
+    missing = [n for n in (*where, *system.parameters) if n not in guessed]
     sought += trimmed
     if missing and sought:
         raise ParameterError(
             f"the guess needs a value of {listed(list(dict.fromkeys(missing)))}; name it in guess, "
             "so that the first member is found there."
         )
-    first = {n: given.get(n, 0.0) for n in sought}
-    typical = {n: given[n] or 1.0 for n in (*where, *system.parameters) if n in given}
+    first = {n: guessed.get(n, 0.0) for n in sought}
+    typical = {n: guessed[n] or 1.0 for n in (*where, *system.parameters) if n in guessed}
     typical = {n: v for n, v in typical.items() if n not in trimmed}
     of_family.setdefault("typical", typical)
     family = Family(
@@ -131,17 +131,17 @@ def steady(
         positive=tuple(positive),
         **of_family,
     )
-    if not sought or (family.closed and _exists(family, given)):
+    if not sought or (family.closed and _exists(family, guessed)):
         return family
     if family.closed:  # CasADi folds ∞ - ∞ to 0, and other rates need not vanish
         moved = {n: v + 1 + i / 8 for i, (n, v) in enumerate(first.items())}
         family = replace(family, unknown=moved)
-    return _anchored(family, given)
+    return _anchored(family, guessed)
 
 
-def _exists(family: Family, given: Mapping[str, float]) -> bool:
+def _exists(family: Family, guessed: Mapping[str, float]) -> bool:
     """Whether the first guess is a member at the given numbers."""
-    a, q = ([[given[n] for n in names]] for names in (family.at, family.parameters))
+    a, q = ([[guessed[n] for n in names]] for names in (family.at, family.parameters))
     try:
         family.member(a, q)
     except StabilityError:
@@ -172,13 +172,13 @@ def independent_rates(
     system: Equations,
     held: Mapping[str, Any],
     unknown: Sequence[str],
-    given: Mapping[str, float],
+    guessed: Mapping[str, float],
     moving: Collection[str],
 ) -> tuple[str, ...]:
     """What is to vanish: independent residuals and rates, as many as there are unknowns."""
     if not unknown:
         return ()
-    own = [n for n in system.states if n not in moving]
+    resting = [n for n in system.states if n not in moving]
     rates = {n: v for n, v in rates_by_name(system).items() if n not in moving}
     values = _with_held(system, held, ca.vertcat(*rates.values()))
     symbols = dict(
@@ -195,10 +195,10 @@ def independent_rates(
         if not values[i].is_zero() and ca.depends_on(values[i], sought)
     ]
     # a rate of an ignorable state comes last: where others suffice, it is checked but not solved
-    rows.sort(key=lambda n: n in own and _ignorable(system, n))
+    rows.sort(key=lambda n: n in resting and _ignorable(system, n))
     table = dict(zip(rates, ca.vertsplit(values), strict=True))
     slopes = ca.jacobian(ca.vertcat(*[table[n] for n in rows]), sought) if rows else ca.SX(0, 0)
-    chosen = _independent(_sampled(system, slopes, given)) if rows else []
+    chosen = _independent(_sampled(system, slopes, guessed)) if rows else []
     if len(chosen) < len(unknown):
         open_ = [n for i, n in enumerate(unknown) if not rows or not slopes[:, i].nnz()]
         which = (
@@ -231,10 +231,10 @@ def _places(system: Equations) -> dict[str, ca.SX]:
 
 
 def _resting(
-    system: Equations, held: Mapping[str, Any], unknown: Sequence[str], given: Mapping[str, float]
+    system: Equations, held: Mapping[str, Any], unknown: Sequence[str], guessed: Mapping[str, float]
 ) -> list[str]:
     """Velocities of a system with constraints that rates force to be exactly zero."""
-    out = [n for n in unknown if not given.get(n)] if _places(system) else []
+    out = [n for n in unknown if not guessed.get(n)] if _places(system) else []
     while out:
         zero = dict.fromkeys(out, 0.0)
         rates = _with_held(system, held, system.rhs)
@@ -242,7 +242,7 @@ def _resting(
         rows = [i for i in range(len(system.states)) if still[i].is_zero()]
         sought = ca.vertcat(*[system.x[system.index(n)] for n in out])
         slopes = ca.jacobian(rates[rows], sought)
-        table = _sampled(system, slopes, given)[:, : len(out)]
+        table = _sampled(system, slopes, guessed)[:, : len(out)]
         felt = [n for n, column in zip(out, table.T, strict=True) if column.any()]
         if len(felt) == len(out):
             return out if np.linalg.matrix_rank(table) == len(out) else []
@@ -261,7 +261,7 @@ def _with_held(system: Equations, held: Mapping[str, Any], rates: ca.SX) -> ca.S
     return ca.substitute(rates, symbols, ca.DM(values))
 
 
-def _sampled(system: Equations, slopes: ca.SX, given: Mapping[str, float]) -> Floats:
+def _sampled(system: Equations, slopes: ca.SX, guessed: Mapping[str, float]) -> Floats:
     """Slopes at a few points, side by side: ranks there are typical ranks.
 
     The first point is the guess, since rows that are independent elsewhere may not be so at a
@@ -272,7 +272,7 @@ def _sampled(system: Equations, slopes: ca.SX, given: Mapping[str, float]) -> Fl
     rng = np.random.default_rng(5)
     blocks = []
     for block in range(POINTS):
-        about = {n: v for n, v in given.items() if block < 3 or n in system.parameters}
+        about = {n: v for n, v in guessed.items() if block < 3 or n in system.parameters}
         away = 0.1 if block else 0.0
         points = [
             [
@@ -314,10 +314,10 @@ def _independent(table: Floats) -> list[int]:
 # --- the first member ---
 
 
-def _anchored(family: Family, given: Mapping[str, float]) -> Family:
+def _anchored(family: Family, guessed: Mapping[str, float]) -> Family:
     """The family with the member nearest to the guess as its anchor."""
-    a = np.array([[given[n] for n in family.at]])
-    q = np.array([[given[n] for n in family.parameters]]).reshape(1, -1)
+    a = np.array([[guessed[n] for n in family.at]])
+    q = np.array([[guessed[n] for n in family.parameters]]).reshape(1, -1)
     guess = np.array(list(family.unknown.values()))
     family.search(a, q, guess)  # refuses equations that are singular for all numbers
     refusal: StabilityError | None = None
@@ -391,10 +391,10 @@ def _damped(family: Family, a: Floats, q: Floats, u: Floats) -> Floats:
     return u
 
 
-def _different(found: Floats) -> Iterable[Floats]:
+def _different(solutions: Floats) -> Iterable[Floats]:
     """Roots without repetition, in order."""
     seen: list[Floats] = []
-    for u in found:
+    for u in solutions:
         if not any(np.allclose(u, v, rtol=1e-8, atol=1e-10) for v in seen):
             seen.append(u)
             yield u

@@ -65,28 +65,28 @@ def _matching(family: Family, state: Floats, way: Floats) -> Iterator[Reflection
     """Involutions that leave a state in place, turn a direction, and exchange unknowns alone."""
     states = family.system.states
     room = SAME * (1 + np.abs(state).max()), SAME * np.abs(way).max()
-    given = [n not in family.unknown for n in states]
+    named = [n not in family.unknown for n in states]
 
     def fits(i: int, j: int, sign: int) -> bool:
-        if given[i] or given[j]:
+        if named[i] or named[j]:
             return i == j and (sign > 0 or family.held.get(states[i]) == 0)
         return bool(
             abs(state[i] - sign * state[j]) <= room[0] and abs(way[i] + sign * way[j]) <= room[1]
         )
 
-    def extended(known: dict[int, tuple[int, int]]) -> Iterator[dict[int, tuple[int, int]]]:
-        left = [i for i in range(len(states)) if i not in known]
+    def extended(images: dict[int, tuple[int, int]]) -> Iterator[dict[int, tuple[int, int]]]:
+        left = [i for i in range(len(states)) if i not in images]
         if not left:
-            yield known
+            yield images
             return
         i = left[0]
         for j in left:
             for sign in (1, -1):
                 if fits(i, j, sign):
-                    yield from extended(known | {i: (j, sign), j: (i, sign)})
+                    yield from extended(images | {i: (j, sign), j: (i, sign)})
 
-    for known in extended({}):
-        yield tuple(known[i] for i in range(len(states)))
+    for images in extended({}):
+        yield tuple(images[i] for i in range(len(states)))
 
 
 def _commutes(system: Equations, images: Reflection) -> bool:
@@ -101,10 +101,11 @@ def _commutes(system: Equations, images: Reflection) -> bool:
     if not np.allclose([s * there[j] for j, s in images], here, rtol=AGREES, atol=AGREES):
         return False
     field = FunctionField([*system.states, *system.parameters])
-    own, given = field.symbols[: len(system.states)], field.symbols[len(system.states) :]
+    states, parameters = field.symbols[: len(system.states)], field.symbols[len(system.states) :]
     try:
         first, second = (
-            program.run(EXACT, [v, given])[0] for v in (own, [own[j] * s for j, s in images])
+            program.run(EXACT, [v, parameters])[0]
+            for v in (states, [states[j] * s for j, s in images])
         )
         return all(vanishes(first[i] - second[j] * s) for i, (j, s) in enumerate(images))
     except (ArithmeticError, StabilityError):  # too large, or no exact numbers

@@ -165,15 +165,15 @@ class System(Equations):
         """
         from .sources.sympy_models import sympy_model
 
-        found = sympy_model(
+        arguments = sympy_model(
             model,
             parameters=parameters,
             dependent=dependent,
             cyclic=cyclic,
             observables=observables,
         )
-        found["conditions"] = (*found.get("conditions", ()), *conditions)
-        return cls(name=name, units=units or {}, **found)
+        arguments["conditions"] = (*arguments.get("conditions", ()), *conditions)
+        return cls(name=name, units=units or {}, **arguments)
 
     @classmethod
     def from_function(
@@ -237,12 +237,12 @@ class System(Equations):
                 raise ParameterError(
                     "conditions are expressions, and a Python function has none; leave them out."
                 )
-            own = getattr(function, "__name__", "function") if name is None else name
-            return NumericSystem(str(own), function, states or (), parameters or (), units)
-        found = casadi_function(function, states=states, parameters=parameters)
+            title = getattr(function, "__name__", "function") if name is None else name
+            return NumericSystem(str(title), function, states or (), parameters or (), units)
+        arguments = casadi_function(function, states=states, parameters=parameters)
         if name is not None:
-            found["name"] = name
-        return cls(conditions=tuple(conditions), units=units or {}, **found)
+            arguments["name"] = name
+        return cls(conditions=tuple(conditions), units=units or {}, **arguments)
 
     def steady(
         self,

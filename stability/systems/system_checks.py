@@ -18,10 +18,10 @@ from ..base.types import Floats
 def expression(what: str, value: Any, rows: int | None = None, columns: int | None = None) -> ca.SX:
     """An SX expression of a shape, or a refusal; numbers and DM become constants."""
     if isinstance(value, ca.SX):
-        found = value
+        matrix = value
     else:
         try:  # as doubles first: some NumPy types crash CasADi
-            found = ca.SX(
+            matrix = ca.SX(
                 ca.DM(
                     np.asarray(checked(what, value.full() if isinstance(value, ca.DM) else value))
                 )
@@ -30,12 +30,12 @@ def expression(what: str, value: Any, rows: int | None = None, columns: int | No
             raise ParameterError(
                 f"{what} is {shown(value)}; give a CasADi SX expression."
             ) from None
-    for size, wanted in ((found.size1(), rows), (found.size2(), columns)):
+    for size, wanted in ((matrix.size1(), rows), (matrix.size2(), columns)):
         if wanted is not None and size != wanted:
             raise ParameterError(
-                f"{what} has shape {found.size1()} x {found.size2()}; give {rows} x {columns}."
+                f"{what} has shape {matrix.size1()} x {matrix.size2()}; give {rows} x {columns}."
             )
-    return found
+    return matrix
 
 
 def names(what: str, value: Any) -> tuple[str, ...]:
@@ -72,13 +72,16 @@ def mapping(what: str, value: Any) -> dict[str, Any]:
 
 def check_names(name: Any, states: Any, parameters: Any, units: Any) -> dict[str, Any]:
     """Name, states, parameters and units of a system without a graph, or a refusal."""
-    found: dict[str, Any] = {"name": title("the system", name), "units": mapping("units", units)}
-    found |= {"states": names("states", states), "parameters": names("parameters", parameters)}
-    _apart(found["states"], found["parameters"])
-    _check_units(found["units"], (*found["states"], *found["parameters"]))
-    if not found["states"]:
+    arguments: dict[str, Any] = {
+        "name": title("the system", name),
+        "units": mapping("units", units),
+    }
+    arguments |= {"states": names("states", states), "parameters": names("parameters", parameters)}
+    _apart(arguments["states"], arguments["parameters"])
+    _check_units(arguments["units"], (*arguments["states"], *arguments["parameters"]))
+    if not arguments["states"]:
         raise ParameterError("states is empty; give the name of each state.")
-    return found
+    return arguments
 
 
 def _apart(states: tuple[str, ...], parameters: tuple[str, ...]) -> None:
@@ -143,10 +146,10 @@ def check_system(system: Any) -> None:
             )
 
 
-def _check_symbols(what: str, symbols: ca.SX, given: tuple[str, ...]) -> None:
-    if symbols.numel() != len(given):
+def _check_symbols(what: str, symbols: ca.SX, labels: tuple[str, ...]) -> None:
+    if symbols.numel() != len(labels):
         raise ParameterError(
-            f"{what} has {symbols.numel()} entries but the names are {shown(list(given))}; "
+            f"{what} has {symbols.numel()} entries but the names are {shown(list(labels))}; "
             "give each entry one name of its own."
         )
     if symbols.numel() and not (symbols.is_valid_input() and symbols.is_dense()):
@@ -183,8 +186,8 @@ def check_family(family: Any) -> None:
             held[name] = one_number(f"held {name}", value)
     keep("held", held)
     for what in ("unknown", "typical"):
-        given = mapping(what, getattr(family, what))
-        keep(what, {n: one_number(f"{what} {n}", v) for n, v in given.items()})
+        numbers = mapping(what, getattr(family, what))
+        keep(what, {n: one_number(f"{what} {n}", v) for n, v in numbers.items()})
     for name in family.positive:
         known("positive", name, tuple(family.unknown))
     for what in ("conservative", "integrals", "drifts"):
@@ -278,23 +281,25 @@ def numbers_of(
     """
     for name in named:
         known("parameter", name, (*family.at[1:], *family.parameters))
-    found = []
-    for what, given, names in (
+    arrays = []
+    for what, values, names in (
         ("fixed", fixed, family.at[1:]),
         ("parameters", parameters, family.parameters),
     ):
-        table = given if isinstance(given, Mapping) else {}
-        own = {n: v for n, v in named.items() if n in names}
-        if own and len(given):
-            raise ParameterError(f"{next(iter(own))} is given by name and in {what}; give it once.")
-        table = table or own
+        table = values if isinstance(values, Mapping) else {}
+        by_name = {n: v for n, v in named.items() if n in names}
+        if by_name and len(values):
+            raise ParameterError(
+                f"{next(iter(by_name))} is given by name and in {what}; give it once."
+            )
+        table = table or by_name
         for name in table:
             known(what, name, names)
         missing = [n for n in names if n not in table] if table else []
         if missing:
             raise ParameterError(f"{absent(missing)}; give {', '.join(names)}.")
-        array = rows(what, [table[n] for n in names] if table else given, names)
+        array = rows(what, [table[n] for n in names] if table else values, names)
         if array.ndim != 1:
             raise ParameterError(f"{what} has shape {array.shape}; give one axis of numbers.")
-        found.append(array)
-    return found[0], found[1]
+        arrays.append(array)
+    return arrays[0], arrays[1]

@@ -150,19 +150,19 @@ def doubles(value: Fraction) -> list[float]:
     >>> doubles(Fraction(0.1) + 3)
     [3.1, -8.326672684688674e-17]
     """
-    found: list[float] = []
-    while value or not found:
+    parts: list[float] = []
+    while value or not parts:
         try:
-            found.append(float(value))
+            parts.append(float(value))
         except OverflowError:
-            found.append(0.0)
-        if value and not found[-1]:
+            parts.append(0.0)
+        if value and not parts[-1]:
             raise ParameterError(
                 "products of the table's numbers leave the range of doubles; give it in other "
                 "units, with numbers nearer to 1."
             )
-        value -= Fraction(found[-1])
-    return found
+        value -= Fraction(parts[-1])
+    return parts
 
 
 def tabulated(table: Any, values: ArrayLike | None = None) -> Tabulated:
@@ -345,15 +345,15 @@ def _hermite(
     step: Fraction, first: Fraction, last: Fraction, p: Sequence[Fraction], h: Fraction
 ) -> tuple[Fraction, ...]:
     """Coefficients of τ, τ², … from the step of the value and the slopes at the ends."""
-    found = [first, 3 * step - 2 * first - last, first + last - 2 * step]
+    coefficients = [first, 3 * step - 2 * first - last, first + last - 2 * step]
     rest = [c * h**j for j, c in enumerate(p)]
-    found += [Fraction(0)] * (len(rest) - 4)
+    coefficients += [Fraction(0)] * (len(rest) - 4)
     for j in range(len(rest) - 1, 3, -1):  # division by τ² (1 - τ)² = τ⁴ - 2τ³ + τ²
         c = Fraction(float(rest[j]))
         for place, factor in ((j, Fraction(1)), (j - 1, Fraction(-2)), (j - 2, Fraction(1))):
             rest[place] -= c * factor
-            found[place - 1] += c * factor
-    return tuple(found)
+            coefficients[place - 1] += c * factor
+    return tuple(coefficients)
 
 
 def _at(p: Sequence[Fraction], t: Fraction) -> Fraction:

@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 
 import stability as st
 from stability.motion.result import Settings
-from stability.scene.rungs.track import Problem
+from stability.scene.rungs.track import LaunchProblem
 from stability.settling.settling import SETTLE
 
 STATES = ("theta", "theta_dot", "phi_dot", "omega3", "slip_x", "slip_y")
@@ -20,7 +20,7 @@ STATES = ("theta", "theta_dot", "phi_dot", "omega3", "slip_x", "slip_y")
 def test_every_default_is_the_same() -> None:
     for function in (st.simulate, st.basins):
         assert inspect.signature(function).parameters["settle"].default == SETTLE
-    assert Settings.settle == Problem.settle == SETTLE
+    assert Settings.settle == LaunchProblem.settle == SETTLE
 
 
 def test_a_launch_that_has_settled_hardly_moves_on() -> None:

@@ -20,7 +20,7 @@ from stability.compare.failures import Entry, attempt
 from stability.compare.marks import HONEST, Judgement, Mark, by_error
 from stability.compare.motion.cases import MOTION_CASES, MotionCase
 from stability.compare.motion.chart import judged
-from stability.compare.motion.drivers import DRIVERS, Answer, Driver, driver, simulated
+from stability.compare.motion.drivers import DRIVERS, Driver, MotionAnswer, driver, simulated
 from stability.compare.motion.reference_motions import ReferenceMotion, scene, scenes
 from stability.compare.spectrum import chart as spectrum_chart
 from stability.compare.spectrum import routes as routes
@@ -225,10 +225,10 @@ def test_an_error_is_counted_after_the_best_matching() -> None:
     it = points("rolling", 0.25, 0.3, 1.8)
     exact = it.truth.eigenvalues
     none = np.zeros(1, np.int8)
-    turned = routes.Answer(none, exact[:, ::-1], exact.real.max(axis=1))
+    turned = routes.SpectrumAnswer(none, exact[:, ::-1], exact.real.max(axis=1))
     off, _ = spectrum_chart.errors(it, turned)
     assert off is not None and off[0] < 1e-15
-    moved = routes.Answer(none, exact + 1e-3, exact.real.max(axis=1) + 1e-3)
+    moved = routes.SpectrumAnswer(none, exact + 1e-3, exact.real.max(axis=1) + 1e-3)
     off, abscissa = spectrum_chart.errors(it, moved)
     assert off is not None and abscissa is not None
     assert off[0] == pytest.approx(1e-3 / np.abs(exact).max(), rel=1e-9)
@@ -309,10 +309,10 @@ class Lying(Certified):
 
     name, title = "lying", "broken"
 
-    def answer(self, points: Points) -> routes.Answer:
+    def answer(self, points: Points) -> routes.SpectrumAnswer:
         found = super().answer(points)
         turned = np.where(found.codes == 1, 2, 1).astype(np.int8)
-        return routes.Answer(turned, found.eigenvalues, found.abscissa, found.bound)
+        return routes.SpectrumAnswer(turned, found.eigenvalues, found.abscissa, found.bound)
 
 
 def marks(route: Route, names: Any = None) -> dict[str, Mark]:
@@ -387,7 +387,7 @@ class Shaped(AutomaticJacobian):
     name, title = "shaped", "broken"
     change: Any = None
 
-    def answer(self, points: Points) -> routes.Answer:
+    def answer(self, points: Points) -> routes.SpectrumAnswer:
         return self.change(super().answer(points))  # type: ignore[no-any-return]
 
 
@@ -395,13 +395,13 @@ class Shaped(AutomaticJacobian):
 @pytest.mark.parametrize(
     "change",
     [
-        lambda a: routes.Answer(a.codes[:0], a.eigenvalues, a.abscissa),
-        lambda a: routes.Answer(a.codes[:1], a.eigenvalues, a.abscissa),
-        lambda a: routes.Answer(a.codes.astype(bool), a.eigenvalues, a.abscissa),
-        lambda a: routes.Answer(a.codes + 40, a.eigenvalues, a.abscissa),
-        lambda a: routes.Answer(a.codes, a.eigenvalues[:, :1], a.abscissa),
-        lambda a: routes.Answer(a.codes, a.eigenvalues * np.nan, a.abscissa),
-        lambda a: routes.Answer(a.codes, a.eigenvalues, a.abscissa[:1]),
+        lambda a: routes.SpectrumAnswer(a.codes[:0], a.eigenvalues, a.abscissa),
+        lambda a: routes.SpectrumAnswer(a.codes[:1], a.eigenvalues, a.abscissa),
+        lambda a: routes.SpectrumAnswer(a.codes.astype(bool), a.eigenvalues, a.abscissa),
+        lambda a: routes.SpectrumAnswer(a.codes + 40, a.eigenvalues, a.abscissa),
+        lambda a: routes.SpectrumAnswer(a.codes, a.eigenvalues[:, :1], a.abscissa),
+        lambda a: routes.SpectrumAnswer(a.codes, a.eigenvalues * np.nan, a.abscissa),
+        lambda a: routes.SpectrumAnswer(a.codes, a.eigenvalues, a.abscissa[:1]),
     ],
 )
 def test_an_answer_of_a_wrong_shape_is_no_answer(change: Any) -> None:
@@ -488,7 +488,7 @@ class Blind(Driver):
 
     name, title, usual = "blind", "broken", 1e-2
 
-    def run(self, scene: ReferenceMotion, times: Any, tolerance: float) -> Answer:
+    def run(self, scene: ReferenceMotion, times: Any, tolerance: float) -> MotionAnswer:
         return driver("rk45").run(scene, times, tolerance)
 
 
@@ -513,7 +513,7 @@ def test_where_truth_is_undetermined_only_that_answer_is_right(
         ("moving", Mark.WRONG),
         ("unresolved", Mark.RIGHT),
     ):
-        assert case.weigh(Answer(times, states, outcome, 16.1)).mark is mark
+        assert case.weigh(MotionAnswer(times, states, outcome, 16.1)).mark is mark
 
 
 def test_a_model_has_an_error_that_no_tolerance_mends() -> None:
@@ -573,7 +573,7 @@ def test_every_case_and_method_is_documented_and_has_a_name_of_its_own() -> None
     assert set(catalogue.DRIVER_NAMES) == set(DRIVERS)
     for case in (*CASES.values(), *MOTION_CASES.values()):
         it: Case | MotionCase = case()
-        assert it.__doc__ and it.physics and it.known and it.group
+        assert it.__doc__ and it.physics and it.source and it.group
     assert isinstance(attempt(lambda: Judgement(Mark.RIGHT)), Judgement)
 
 

@@ -11,14 +11,14 @@ from stability.motion.round_starts import gather_round as gather
 from stability.scene.rungs.creep import creep_path, held_of, transient
 from stability.scene.rungs.creeping import creeping
 from stability.scene.rungs.full import full
-from stability.scene.rungs.track import Problem, Track, relative
+from stability.scene.rungs.track import LaunchProblem, Track, relative
 
 START = np.array([1.3, 0.1, 0.4, 1.1, 0.0, 0.0])
 
 
 def _problem(mu: float, last: float, tolerance: float, start=START, k=0.25, law=st.Viscous):
     launches = gather(st.Disk(k=k), law(mu), start, last)
-    return Problem(launches, tolerance, np.array([0.0, last]))
+    return LaunchProblem(launches, tolerance, np.array([0.0, last]))
 
 
 @pytest.mark.parametrize("name", ["stiff-300", "stiff-10000", "stiff-100000"])
@@ -38,7 +38,7 @@ def test_the_next_order_is_the_error_of_an_order(name: str) -> None:
     motion = reference(name)
     last = float(motion.times[-1])
     launches = gather(motion.disk(), motion.contact(), motion.start, last)
-    problem = Problem(launches, 1e-10, np.array([0.0, last]))
+    problem = LaunchProblem(launches, 1e-10, np.array([0.0, last]))
     held = held_of(problem)
     times, states, _ = transient(problem, held, problem.start, 0.0, 1e-10)
     path = creep_path(problem, held, states[-1], float(times[-1]), last, 1e-10)
@@ -105,7 +105,7 @@ def test_elements_that_stay_coarse_have_the_path_at_their_own_points(
 def test_laws_whose_slip_does_not_relax_have_no_creep() -> None:
     for law in (st.Smooth(), st.Rough(), st.Coulomb(0.3)):
         launches = gather(st.Disk(), law, {"theta": 1.3, "omega3": 1.2}, 1.0)
-        _, _, told = creeping(Problem(launches, 1e-6, np.array([0.0, 1.0])))
+        _, _, told = creeping(LaunchProblem(launches, 1e-6, np.array([0.0, 1.0])))
         assert not isinstance(told, Track)
         assert "no creep" in told.why
 

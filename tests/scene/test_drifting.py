@@ -14,14 +14,14 @@ from random_body_scenes import columns, far
 import stability as st
 from stability.motion.round_starts import gather_round as gather
 from stability.scene.rungs.drifting import SlowManifold, _manifold, drifting
-from stability.scene.rungs.track import Problem, Refused, Track, relative
+from stability.scene.rungs.track import LaunchProblem, Refused, Track, relative
 
 STATES = ("theta", "theta_dot", "phi_dot", "omega3", "slip_x", "slip_y")
 
 
-def _problem(k: float, law, start, last: float) -> Problem:
+def _problem(k: float, law, start, last: float) -> LaunchProblem:
     times = np.linspace(0.0, last, 9)
-    return Problem(gather(st.Disk(k=k), law, start, times), 1e-4, times)
+    return LaunchProblem(gather(st.Disk(k=k), law, start, times), 1e-4, times)
 
 
 def _error(k: float, law, spin: float, tilt: float, last: float) -> tuple[float, float]:
@@ -91,9 +91,9 @@ UNEVEN = st.Body(
 )
 
 
-def _of_body(body: st.Body, law: Any, start: Any, last: float) -> Problem:
+def _of_body(body: st.Body, law: Any, start: Any, last: float) -> LaunchProblem:
     times = np.linspace(0.0, last, 9)
-    return Problem(gather(body, law, start, times), 1e-4, times)
+    return LaunchProblem(gather(body, law, start, times), 1e-4, times)
 
 
 def _off(body: st.Body, law: Any, start: Any, last: float) -> tuple[float, float] | Refused:

@@ -7,7 +7,7 @@ import pytest
 from scipy.special import airy
 
 from stability.scene.rungs import elements
-from stability.scene.rungs.elements import Elements, Linear, carried, chebyshev
+from stability.scene.rungs.elements import Elements, LinearEquation, carried, chebyshev
 
 
 def test_values_and_derivatives_converge_as_for_an_entire_function() -> None:
@@ -62,7 +62,7 @@ def test_the_linear_equation_gives_airys_function(stiff: bool) -> None:
     found = (
         carried(some, matrices, none, start)
         if stiff
-        else Linear.along(some, matrices).solve(none, start)
+        else LinearEquation.along(some, matrices).solve(none, start)
     )
     assert np.abs(found - exact).max() < (1e-9 if stiff else 1e-4)
 
@@ -73,7 +73,7 @@ def test_a_defect_moves_the_solution_by_its_integral() -> None:
     defect = np.cos(some.times)[..., None]
     exact = (0.5 * np.cos(some.times) + np.sin(some.times) - 0.5 * np.exp(-some.times / 2)) / 1.25
     for found in (
-        Linear.along(some, matrices).solve(defect, np.zeros(1)),
+        LinearEquation.along(some, matrices).solve(defect, np.zeros(1)),
         carried(some, matrices, defect, np.zeros(1)),
     ):
         assert found[..., 0] == pytest.approx(exact, abs=1e-6)
@@ -82,7 +82,7 @@ def test_a_defect_moves_the_solution_by_its_integral() -> None:
 def test_the_first_elements_alone_give_the_same_solution() -> None:
     some = Elements(np.linspace(-6.0, 0.0, 9), 12)
     matrices, exact, none = _airy(some)
-    whole = Linear.along(some, matrices)
+    whole = LinearEquation.along(some, matrices)
     part = whole.first(3).solve(none[:3], exact[0, 0])
     assert part == pytest.approx(whole.solve(none, exact[0, 0])[:3], abs=1e-15)
 
@@ -92,9 +92,9 @@ def test_steps_by_machine_code_are_those_of_numpy(n: int, monkeypatch: pytest.Mo
     some, rng = Elements(np.array([0.0, 0.4, 1.0]), 9), np.random.default_rng(n)
     matrices = rng.normal(size=(2, 9, n, n))
     defect, start = rng.normal(size=(2, 9, n, 3)), rng.normal(size=(n, 3))
-    mine = Linear.along(some, matrices)
+    mine = LinearEquation.along(some, matrices)
     monkeypatch.setattr(elements, "available", lambda: False)
-    other = Linear.along(some, matrices)
+    other = LinearEquation.along(some, matrices)
     assert mine.step == pytest.approx(other.step, abs=1e-13)
     assert mine.half == pytest.approx(other.half, abs=1e-13)
     for i in range(3):  # each solution alone is that among several

@@ -9,7 +9,7 @@ import pytest
 import stability as st
 from stability.motion.round_starts import gather_round as gather
 from stability.scene.rungs.near_steady import LINEARISED, SECOND, STEADY, near_steady
-from stability.scene.rungs.track import Problem, Refused, Track, relative
+from stability.scene.rungs.track import LaunchProblem, Refused, Track, relative
 
 STATES = ("theta", "theta_dot", "phi_dot", "omega3", "slip_x", "slip_y")
 CASES = [
@@ -26,7 +26,7 @@ def _tracks(family, at, last, law, k, tilt=1e-3, count=41):
     disk = st.Disk(k=k)
     start = st.launch(family, at=at, tilt=tilt, disk=disk)
     times = np.linspace(0.0, last, count)
-    problem = Problem(gather(disk, law, start, times), 1e-6, times)
+    problem = LaunchProblem(gather(disk, law, start, times), 1e-6, times)
     run = st.simulate(disk, law, start, times, tolerance=1e-15)
     true = np.stack([run[n].values for n in STATES], axis=-1)[:, : problem.own]
     return near_steady(problem), true, problem
@@ -67,7 +67,7 @@ def test_any_time_costs_the_same_states() -> None:
 
 
 def test_a_start_far_from_every_family_is_refused_with_the_distance() -> None:
-    problem = Problem(
+    problem = LaunchProblem(
         gather(st.Disk(), st.Viscous(0.3), [0.9, 0.2, 0.5, 1.5, 0, 0], 5.0),
         1e-6,
         np.array([0.0, 5.0]),

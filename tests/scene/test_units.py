@@ -13,8 +13,8 @@ import pytest
 import stability as st
 from stability.base.quantities import Kind
 from stability.scene.linear import LINEAR
-from stability.scene.questions import QUESTIONS, Found, Question
-from stability.scene.rungs.track import Problem, Track
+from stability.scene.questions import QUESTIONS, Estimate, Question
+from stability.scene.rungs.track import LaunchProblem, Track
 from tests.tools.similarity import size
 
 SCALES = (0.6, 0.04, 3.0)
@@ -159,8 +159,8 @@ def test_a_boundary_in_theta_is_an_angle() -> None:
 def test_a_question_of_any_kind_is_scaled_by_its_kind(
     kind: Kind, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def find(problem: Problem, track: Track) -> Found:  # noqa: ARG001
-        return Found(float(np.hypot(*track.states[-1, 4:6])), float(track.errors[-1]))
+    def find(problem: LaunchProblem, track: Track) -> Estimate:  # noqa: ARG001
+        return Estimate(float(np.hypot(*track.states[-1, 4:6])), float(track.errors[-1]))
 
     # the end of the name says nothing about the kind
     monkeypatch.setitem(QUESTIONS, "lost_time", Question("lost_time", find, kind, False, "slip"))
@@ -172,8 +172,8 @@ def test_a_question_of_any_kind_is_scaled_by_its_kind(
 def test_a_users_system_is_asked_for_no_unit_but_that_of_time(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    def find(problem: Problem, track: Track) -> Found:  # noqa: ARG001
-        return Found(1.0, 0.0)
+    def find(problem: LaunchProblem, track: Track) -> Estimate:  # noqa: ARG001
+        return Estimate(1.0, 0.0)
 
     x = ca.SX.sym("x")
     system = st.System("decay", x, ca.SX(0, 1), -x, states=("x",), parameters=(), units={"x": "m"})
@@ -187,8 +187,8 @@ def test_a_users_system_is_asked_for_no_unit_but_that_of_time(
 
 
 def test_a_question_of_an_unknown_kind_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    def find(problem: Problem, track: Track) -> Found:  # noqa: ARG001
-        return Found(1.0, 0.0)
+    def find(problem: LaunchProblem, track: Track) -> Estimate:  # noqa: ARG001
+        return Estimate(1.0, 0.0)
 
     kind: Any = "furlong"
     monkeypatch.setitem(QUESTIONS, "speed", Question("speed", find, kind, False, "speed"))

@@ -6,7 +6,7 @@ from typing import ClassVar
 
 from ..marks import HardCase, Judgement, Mark, by_error
 from .chart import judged
-from .drivers import Answer, Driver
+from .drivers import Driver, MotionAnswer
 from .reference_motions import UNDETERMINED, ReferenceMotion, scene
 
 ASKED = 1e-6
@@ -32,7 +32,7 @@ class MotionCase(HardCase):
         return scene(self.scene)
 
     @property
-    def known(self) -> str:
+    def source(self) -> str:
         """How the truth is known."""
         return f"two independent integrations, which agree to {self.it().error:.0e}"
 
@@ -49,7 +49,7 @@ class MotionCase(HardCase):
             return None
         return self.weigh(driver.run(it, it.asked, driver.usual))
 
-    def weigh(self, motion: Answer) -> Judgement:
+    def weigh(self, motion: MotionAnswer) -> Judgement:
         """Judge a motion.
 
         Parameters

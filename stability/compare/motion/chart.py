@@ -15,7 +15,7 @@ from ...base.types import Floats
 from ...jobs.measured_cells import Cell, Late, Task
 from ..chart import Line, attributes, csv_of, methods, numbers, padded, variable, words
 from ..cost import Place, least, places, timed, timings
-from .drivers import DRIVERS, MODELS, OWN, PEOPLE, Answer, Driver, driver
+from .drivers import DRIVERS, MODELS, OWN, PEOPLE, Driver, MotionAnswer, driver
 from .reference_motions import ReferenceMotion, scene, scenes
 
 if TYPE_CHECKING:
@@ -108,7 +108,7 @@ def _forget() -> None:
             heyoka.llvm_state.set_diskcache_enabled(False)
 
 
-def judged(it: ReferenceMotion, motion: Answer) -> dict[str, Any]:
+def judged(it: ReferenceMotion, motion: MotionAnswer) -> dict[str, Any]:
     """The errors of a motion.
 
     Returns
@@ -117,7 +117,7 @@ def judged(it: ReferenceMotion, motion: Answer) -> dict[str, Any]:
         final: error of the last true state, over 1 or its size; path: the largest such error along
         the path; both None where the driver lacks a time of the truth.  event: error of the time of
         the end, where the truth has one, or of the events of dry friction; None where outcome or
-        kinds of events differ, or there are none.  audit, outcome, stated: as in `Answer`.
+        kinds of events differ, or there are none.  audit, outcome, stated: as in `MotionAnswer`.
     """
     both = [t for t in it.times if t in set(motion.times.tolist())]
     mine = motion.states[np.isin(motion.times, both)]
@@ -150,7 +150,7 @@ def distance(mine: Floats, true: Floats) -> Floats:
     return np.asarray((np.abs(mine - true) / np.maximum(1.0, np.abs(true))).max(axis=-1))
 
 
-def _event(it: ReferenceMotion, motion: Answer) -> float | None:
+def _event(it: ReferenceMotion, motion: MotionAnswer) -> float | None:
     if it.ends:
         return abs(motion.end_time - it.end_time) if motion.outcome == it.outcome else None
     if not it.events:
@@ -259,7 +259,7 @@ def points(chart: xarray.Dataset, which: str, metric: str) -> dict[str, list[tup
         raise KeyError(metric)
     here = chart.sel(scene=which)
     true = str(here.true_outcome.values)
-    found: dict[str, list[tuple[float, float]]] = {}
+    by_driver: dict[str, list[tuple[float, float]]] = {}
     for name in here.driver.values.tolist():
         mine = here.sel(driver=name)
         rows = []
@@ -269,8 +269,8 @@ def points(chart: xarray.Dataset, which: str, metric: str) -> dict[str, list[tup
             if np.isfinite(error) and str(rung.outcome.values) == true:
                 rows.append((float(np.nanmin(times)), error))
         if rows:
-            found[name] = rows
-    return found
+            by_driver[name] = rows
+    return by_driver
 
 
 def rungs(chart: xarray.Dataset, which: str, metric: str) -> dict[str, Place]:

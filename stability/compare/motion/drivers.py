@@ -26,7 +26,7 @@ DECADES = tuple(10.0**-d for d in (3, 4, 6, 8, 10, 12, 14))
 
 
 @dataclass(frozen=True, eq=False)
-class Answer:
+class MotionAnswer:
     """Answer of a driver for a scene."""
 
     times: Floats
@@ -57,7 +57,7 @@ class Driver(Method):
         """Whether the driver takes the scene."""
         return True
 
-    def run(self, scene: ReferenceMotion, times: Floats, tolerance: float) -> Answer:
+    def run(self, scene: ReferenceMotion, times: Floats, tolerance: float) -> MotionAnswer:
         """The motion at the given times, of which the first is 0."""
         raise NotImplementedError
 
@@ -72,7 +72,7 @@ class Simulated(Driver):
     method: ClassVar[str]
     check: ClassVar[bool] = False
 
-    def run(self, scene: ReferenceMotion, times: Floats, tolerance: float) -> Answer:
+    def run(self, scene: ReferenceMotion, times: Floats, tolerance: float) -> MotionAnswer:
         """Call `simulate`."""
         return simulated(
             scene,
@@ -113,7 +113,7 @@ def _single(method: str, taken: Collection[str] = ()) -> type[Driver]:
     return Simulated.variant(name=name, title=title, method=method)
 
 
-def simulated(scene: ReferenceMotion, contact: Any, times: Floats, **options: Any) -> Answer:
+def simulated(scene: ReferenceMotion, contact: Any, times: Floats, **options: Any) -> MotionAnswer:
     """Run `simulate` on a scene under a contact law."""
     from ...bodies.newton_euler import STATES
     from ...motion.result import BY_CODE
@@ -126,7 +126,7 @@ def simulated(scene: ReferenceMotion, contact: Any, times: Floats, **options: An
     outcome = BY_CODE[int(run.outcome)].word
     kept = np.isin(run.time.values, times)
     ended = _events(run.event_kind.values.tolist(), run.event_time.values.tolist())
-    return Answer(
+    return MotionAnswer(
         run.time.values[kept],
         states[kept],
         "moving" if outcome == "settled" else outcome,  # contact lasted: the only question here
@@ -139,11 +139,11 @@ def simulated(scene: ReferenceMotion, contact: Any, times: Floats, **options: An
 
 def _events(kinds: list[str], times: list[float]) -> tuple[tuple[str, float], ...]:
     """Events of dry friction; a reversal counts as a stick and a slip at one time."""
-    found: list[tuple[str, float]] = []
+    events: list[tuple[str, float]] = []
     for kind, time in zip(kinds, times, strict=True):
         parts = ("stick", "slip") if kind == "reverse" else (kind,)
-        found += [(part, time) for part in parts]
-    return tuple(found)
+        events += [(part, time) for part in parts]
+    return tuple(events)
 
 
 # --- people's scripts ---
@@ -155,11 +155,11 @@ def _rates(law: str) -> Callable[[Any, Any], Any]:
     from ...integrators.flow import flow
 
     which = flow(law)
-    own = len(which.system.states)
-    pad = len(which.names) - own
+    count = len(which.system.states)
+    pad = len(which.names) - count
 
     def rates(y: Any, p: Any) -> Any:
-        return which.quick.rates(p, np.concatenate([y, np.zeros(pad)]))[:own]
+        return which.quick.rates(p, np.concatenate([y, np.zeros(pad)]))[:count]
 
     return rates
 
@@ -170,14 +170,14 @@ def _plain(scene: ReferenceMotion) -> tuple[Callable[[float, Any], Any], Any, An
 
     rates, which = _rates(scene.law), flow(scene.law)
     p = np.array([scene.k, *([] if scene.mu is None else [scene.mu]), 1e-6])
-    own = 4 if scene.law == "rough" else 6
-    pad = np.zeros(len(which.names) - own)
+    count = 4 if scene.law == "rough" else 6
+    pad = np.zeros(len(which.names) - count)
 
     def normal(_: float, y: Any) -> Any:
         return which.quick.watch(p, np.concatenate([y, pad]))[0][0]
 
     normal.terminal = True  # type: ignore[attr-defined]
-    return lambda _t, y: rates(y, p), np.array(scene.start[:own]), normal
+    return lambda _t, y: rates(y, p), np.array(scene.start[:count]), normal
 
 
 def _six(states: Any) -> Floats:
@@ -194,26 +194,28 @@ class RungeKutta45(Driver):
         """Whether the equations are smooth."""
         return scene.law != "coulomb"
 
-    def run(self, scene: ReferenceMotion, times: Floats, tolerance: float) -> Answer:
+    def run(self, scene: ReferenceMotion, times: Floats, tolerance: float) -> MotionAnswer:
         """Call `scipy.integrate.solve_ivp`."""
         return self.solved(scene, times, rtol=tolerance, atol=tolerance)
 
     def solved(
         self, scene: ReferenceMotion, times: Floats, *, ends: bool = False, **options: Any
-    ) -> Answer:
+    ) -> MotionAnswer:
         """Call `solve_ivp` with these options; with `ends` it stops where the disk lifts off."""
         from scipy.integrate import solve_ivp
 
         f, start, normal = _plain(scene)
         options |= {"events": normal} if ends else {}
-        found = solve_ivp(f, times[[0, -1]], start, t_eval=times, **options)
-        if not found.success:
-            raise ArithmeticError(found.message)
-        if not np.isfinite(found.y).all():
+        solution = solve_ivp(f, times[[0, -1]], start, t_eval=times, **options)
+        if not solution.success:
+            raise ArithmeticError(solution.message)
+        if not np.isfinite(solution.y).all():
             raise ArithmeticError("a state that is not finite")
-        if ends and found.t_events[0].size:
-            return Answer(found.t, _six(found.y.T), "lift-off", float(found.t_events[0][0]))
-        return Answer(found.t, _six(found.y.T), "moving", float(found.t[-1]))
+        if ends and solution.t_events[0].size:
+            return MotionAnswer(
+                solution.t, _six(solution.y.T), "lift-off", float(solution.t_events[0][0])
+            )
+        return MotionAnswer(solution.t, _six(solution.y.T), "moving", float(solution.t[-1]))
 
 
 class AsItComes(RungeKutta45):
@@ -225,7 +227,7 @@ class AsItComes(RungeKutta45):
         "below the spacing of doubles; radau, bdf and cvodes are made for such motions."
     )
 
-    def run(self, scene: ReferenceMotion, times: Floats, tolerance: float) -> Answer:  # noqa: ARG002
+    def run(self, scene: ReferenceMotion, times: Floats, tolerance: float) -> MotionAnswer:  # noqa: ARG002
         """Call `scipy.integrate.solve_ivp` without options."""
         return self.solved(scene, times)
 
@@ -245,7 +247,7 @@ class FixedStep(Driver):
         """Whether the equations are smooth."""
         return scene.law != "coulomb"
 
-    def run(self, scene: ReferenceMotion, times: Floats, tolerance: float) -> Answer:
+    def run(self, scene: ReferenceMotion, times: Floats, tolerance: float) -> MotionAnswer:
         """Integrate; `tolerance` is the step."""
         f, y, normal = _plain(scene)
         rows = [y]
@@ -258,9 +260,9 @@ class FixedStep(Driver):
                     raise ArithmeticError("a state that is not finite")
                 if normal(0.0, y) <= 0:
                     states = _six(np.array(rows))
-                    return Answer(times[: len(rows)], states, "lift-off", a + (i + 1) * h)
+                    return MotionAnswer(times[: len(rows)], states, "lift-off", a + (i + 1) * h)
             rows.append(y)
-        return Answer(times, _six(np.array(rows)), "moving", float(times[-1]))
+        return MotionAnswer(times, _six(np.array(rows)), "moving", float(times[-1]))
 
 
 def _step(f: Callable[[float, Any], Any], y: Any, h: float) -> Any:
@@ -285,7 +287,7 @@ class RoughInstead(Driver):
         """Whether friction is viscous; the error shows how good the model is."""
         return scene.law == "viscous"
 
-    def run(self, scene: ReferenceMotion, times: Floats, tolerance: float) -> Answer:
+    def run(self, scene: ReferenceMotion, times: Floats, tolerance: float) -> MotionAnswer:
         """`simulate` of the rough disk from the same start without its slip."""
         scene = replace(scene, start=(*scene.start[:4], 0.0, 0.0))
         return simulated(scene, Rough(), times, method="auto", tolerance=tolerance, check=False)
@@ -296,7 +298,7 @@ class SmoothInstead(RoughInstead):
 
     name, title = "smooth-model", "the smooth disk in place of small friction"
 
-    def run(self, scene: ReferenceMotion, times: Floats, tolerance: float) -> Answer:
+    def run(self, scene: ReferenceMotion, times: Floats, tolerance: float) -> MotionAnswer:
         """`simulate` of the smooth disk from the same start."""
         return simulated(scene, Smooth(), times, method="auto", tolerance=tolerance, check=False)
 
@@ -312,7 +314,7 @@ class Regularised(Driver):
         """Whether friction is dry."""
         return scene.law == "coulomb"
 
-    def run(self, scene: ReferenceMotion, times: Floats, tolerance: float) -> Answer:
+    def run(self, scene: ReferenceMotion, times: Floats, tolerance: float) -> MotionAnswer:
         """`simulate` of the regularised law with a fine tolerance; `tolerance` is ε."""
         law = RegularisedCoulomb(scene.mu or 0.0, tolerance)
         return simulated(scene, law, times, method="auto", tolerance=1e-9, check=False)

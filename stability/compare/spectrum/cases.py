@@ -16,7 +16,7 @@ from ...base.verdict import CODES, Verdict
 from ..marks import HardCase, Judgement, Mark, by_error
 from .chart import errors
 from .points import DEGREES, EDGES, MEETINGS, Points, _points, close_to, coalescence
-from .routes import Answer, Route, check
+from .routes import Route, SpectrumAnswer, check
 
 ASKED = 1e-6
 """Required relative error of a growth rate."""
@@ -28,11 +28,11 @@ IN_BALLS = "the graph's characteristic polynomial in balls of 1024 bits"
 class Case(HardCase):
     """A hard case of the linear analysis.
 
-    Subclasses define `name`, `group`, `physics` and `points`, and `known` and `question` where the
+    Subclasses define `name`, `group`, `physics` and `points`, and `source` and `question` where the
     defaults do not fit.
     """
 
-    known: ClassVar[str] = IN_BALLS
+    source: ClassVar[str] = IN_BALLS
     """How the truth is known."""
     question: ClassVar[str] = "verdict"
     """Question: verdict, growth (the abscissa) or eigenvalues."""
@@ -41,7 +41,7 @@ class Case(HardCase):
         """Points at which a route is asked."""
         raise NotImplementedError
 
-    def ask(self, route: Route) -> Answer:
+    def ask(self, route: Route) -> SpectrumAnswer:
         """The route's answer at the points."""
         return route.answer(self.points())
 
@@ -75,7 +75,7 @@ class Case(HardCase):
             stated = float(share[worst])
         return by_error(float(abscissa[worst]), ASKED, stated)
 
-    def judge_verdicts(self, points: Points, answer: Answer) -> Judgement:
+    def judge_verdicts(self, points: Points, answer: SpectrumAnswer) -> Judgement:
         """Judge verdicts: right only if each of them is right."""
         codes, true = answer.codes, points.truth.codes
         open_ = codes == CODES[Verdict.UNDECIDED]
@@ -164,11 +164,11 @@ def _case(
     physics: str,
     points: Callable[[], Points],
     question: str = "verdict",
-    known: str = IN_BALLS,
+    source: str = IN_BALLS,
 ) -> type[Case]:
     """A case whose points are all there is to it."""
     fields = {"name": name, "group": group, "physics": physics, "question": question}
-    return Case.variant(**fields, known=known, points=staticmethod(points))
+    return Case.variant(**fields, source=source, points=staticmethod(points))
 
 
 def _meeting(which: int) -> Points:
@@ -192,21 +192,21 @@ STRUCTURES: tuple[type[Case], ...] = (
         STRUCTURE,
         "exactly at omega3² = 1/(4k) two further zeros join in a Jordan block",
         lambda: _points("rolling", "smooth", [0.25, 0.0625], None, [1.0, 2.0]),
-        known="exact: k = 1/4, omega3 = 1, where the reduced polynomial is λ²",
+        source="exact: k = 1/4, omega3 = 1, where the reduced polynomial is λ²",
     ),
     _case(
         "Jordan block, smooth disk spinning",
         STRUCTURE,
         "exactly at phi_dot² = 1/k",
         lambda: _points("spinning", "smooth", [0.25, 0.0625], None, [2.0, 4.0]),
-        known="exact: k = 1/4, phi_dot = 2",
+        source="exact: k = 1/4, phi_dot = 2",
     ),
     _case(
         "Jordan block, rough disk",
         STRUCTURE,
         "a hoop exactly at omega3² = 1/(2(2k+1)) = 1/4",
         lambda: _points("rolling", "rough", 0.5, None, [0.5]),
-        known="exact: k = 1/2, omega3 = 1/2",
+        source="exact: k = 1/2, omega3 = 1/2",
     ),
     _case(
         "viscous rolling at the rough threshold",
@@ -226,7 +226,7 @@ STRUCTURES: tuple[type[Case], ...] = (
         lambda: _points(
             "spinning", "viscous", [0.25, 0.25, 0.0625], [0.3, 4.0, 1.0], [2.0, 2.0, 4.0]
         ),
-        known="exact: k = 1/4, phi_dot = 2; and k = 1/16, phi_dot = 4",
+        source="exact: k = 1/4, phi_dot = 2; and k = 1/16, phi_dot = 4",
     ),
     _case(
         "branch point, on tumbling",
@@ -303,15 +303,15 @@ class NonSteady(Case):
     name = "non-steady operating point"
     group = JACOBIAN
     physics = "rolling with a tilt and slip: a Jacobian exists, a spectrum of a motion does not"
-    known = "its rates do not vanish: the right answer is to refuse"
+    source = "its rates do not vanish: the right answer is to refuse"
 
     def points(self) -> Points:
         """One state."""
         state = np.array([[np.pi / 2 - 0.05, 0.0, 0.1, 1.2, 0.01, 0.0]])
-        one = np.ones(1)
-        return Points("rolling", "viscous", 0.25 * one, 0.3 * one, 1.2 * one, given=state)
+        ones = np.ones(1)
+        return Points("rolling", "viscous", 0.25 * ones, 0.3 * ones, 1.2 * ones, free_states=state)
 
-    def ask(self, route: Route) -> Answer:
+    def ask(self, route: Route) -> SpectrumAnswer:
         """The answer at the state, not at a member of a family."""
         return route.at_state(self.points())
 

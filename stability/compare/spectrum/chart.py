@@ -14,7 +14,7 @@ from ...jobs.measured_cells import Cell, Task
 from ..chart import Line, attributes, csv_of, methods, numbers, padded, variable, words
 from ..cost import Place, least, places, timed, timings
 from .points import EDGES, Points, classes, edge, points_of
-from .routes import ROUTES, Answer, Route, check, route
+from .routes import ROUTES, Route, SpectrumAnswer, check, route
 
 if TYPE_CHECKING:
     import xarray
@@ -46,7 +46,7 @@ def tasks() -> list[list[Task]]:
     ]
 
 
-def errors(points: Points, answer: Answer) -> tuple[Floats | None, Floats | None]:
+def errors(points: Points, answer: SpectrumAnswer) -> tuple[Floats | None, Floats | None]:
     """Errors of eigenvalues and abscissa at each point.
 
     Returns
@@ -102,7 +102,7 @@ def measure(hardness: str, name: str) -> dict[str, Any]:
     mine = route(name)
     groups = [p if mine.arrays else p[: _share(p, hardness)] for p in points_of(hardness)]
     first = None
-    found: dict[str, Any] = {"eigenvalues": [], "abscissa": [], "wrong": 0, "undecided": 0}
+    cell: dict[str, Any] = {"eigenvalues": [], "abscissa": [], "wrong": 0, "undecided": 0}
     for points in groups:
         start = time.perf_counter()
         answer = mine.answer(points)
@@ -110,12 +110,12 @@ def measure(hardness: str, name: str) -> dict[str, Any]:
         check(points, answer)
         eigenvalues, abscissa = errors(points, answer)
         for key, values in (("eigenvalues", eigenvalues), ("abscissa", abscissa)):
-            found[key] = None if values is None else [*found[key], *values.tolist()]
+            cell[key] = None if values is None else [*cell[key], *values.tolist()]
         open_ = answer.codes == CODES[Verdict.UNDECIDED]
-        found["undecided"] += int(open_.sum())
-        found["wrong"] += int(((answer.codes != points.truth.codes) & ~open_).sum())
-    found |= {"count": sum(len(p) for p in groups), "first": first}
-    return found | _times(mine, groups)
+        cell["undecided"] += int(open_.sum())
+        cell["wrong"] += int(((answer.codes != points.truth.codes) & ~open_).sum())
+    cell |= {"count": sum(len(p) for p in groups), "first": first}
+    return cell | _times(mine, groups)
 
 
 def _share(points: Points, hardness: str) -> int:
@@ -126,19 +126,19 @@ def _share(points: Points, hardness: str) -> int:
 
 def _times(mine: Route, groups: Sequence[Points]) -> dict[str, list[float]]:
     """Seconds per point of each repeat: at one point, and at many for a route with arrays."""
-    one: list[float] = []
+    alone: list[float] = []
     for points in groups[:2]:
         single = points[:1]
         least, budget = (5, 0.06) if mine.arrays else (2, 0.06)
-        one += timed(lambda p=single: mine.answer(p), least=least, most=40, budget=budget)  # type: ignore[misc]
+        alone += timed(lambda p=single: mine.answer(p), least=least, most=40, budget=budget)  # type: ignore[misc]
     if not mine.arrays:
-        return {"one": one, "many": []}
+        return {"one": alone, "many": []}
     many: list[float] = []
     for points in groups[:2]:
         tiled = points[np.arange(MANY) % len(points)]
         repeats = timed(lambda p=tiled: mine.answer(p), least=3, most=20, budget=0.1)  # type: ignore[misc]
         many += [seconds / MANY for seconds in repeats]
-    return {"one": one, "many": many}
+    return {"one": alone, "many": many}
 
 
 # --- boundaries ---
@@ -167,9 +167,9 @@ def locate(name: str) -> dict[str, Any]:
             continue
         exact = exact_edge(*where)
         start = time.perf_counter()
-        found, width = _found(mine, where, exact[0])
+        value, width = _searched(mine, where, exact[0])
         out["seconds"].append(time.perf_counter() - start)
-        error = None if found is None else abs((found - exact[0]) - exact[1]) / exact[0]
+        error = None if value is None else abs((value - exact[0]) - exact[1]) / exact[0]
         out["error"].append(error)
         out["width"].append(width)
     return out
@@ -221,7 +221,7 @@ def exact_edge(
     return float(middle), float(middle - Fraction(float(middle)))
 
 
-def _found(mine: Route, where: Any, near: float) -> tuple[float | None, float | None]:
+def _searched(mine: Route, where: Any, near: float) -> tuple[float | None, float | None]:
     low, high = near * (1 - BRACKET), near * (1 + BRACKET)
     return _proved(where, low, high) if mine.own else (bisected(mine, where, low, high), None)
 
@@ -264,12 +264,12 @@ def proved(where: Any, low: float, high: float, values: int) -> Boundaries:
 def _proved(where: Any, low: float, high: float) -> tuple[float | None, float | None]:
     """A boundary by the package, and its proved relative half-width."""
     try:
-        found = proved(where, low, high, 4)
+        changes = proved(where, low, high, 4)
     except StabilityError:
         return None, None
-    if len(found) != 1:
+    if len(changes) != 1:
         return None, None
-    return found[0].value, found[0].error / found[0].value
+    return changes[0].value, changes[0].error / changes[0].value
 
 
 # --- the chart as data ---
@@ -366,27 +366,27 @@ def seconds(chart: xarray.Dataset, route: str, hardness: str) -> tuple[float, fl
 
     Returns
     -------
-    best, one
+    best, single
         Equal without calls with many points; NaN where the cell is not done.
     """
     here = chart.sel(route=route, hardness=hardness)
-    one, many = (_least(here[key].values) for key in ("one", "many"))
-    return (many if np.isfinite(many) else one), one
+    single, many = (_least(here[key].values) for key in ("one", "many"))
+    return (many if np.isfinite(many) else single), single
 
 
 def _least(values: Any) -> float:
-    known = values[np.isfinite(values)]
-    return float(known.min()) if known.size else float("nan")
+    finite = values[np.isfinite(values)]
+    return float(finite.min()) if finite.size else float("nan")
 
 
 def _median(values: Any) -> float:
-    known = values[np.isfinite(values)]
-    return float(np.median(known)) if known.size else float("nan")
+    finite = values[np.isfinite(values)]
+    return float(np.median(finite)) if finite.size else float("nan")
 
 
 def _worst(values: Any) -> float:
-    known = values[np.isfinite(values)]
-    return float(known.max()) if known.size else float("nan")
+    finite = values[np.isfinite(values)]
+    return float(finite.max()) if finite.size else float("nan")
 
 
 def standing(chart: xarray.Dataset, quantity: str, hardness: str = "") -> dict[str, Place]:

@@ -55,7 +55,7 @@ class Points:
     """For tumbling, in place of `at`: π/2 - theta exactly, shape (N,)."""
     label: str = ""
     """Description of the points, for a reader."""
-    given: Floats | None = None
+    free_states: Floats | None = None
     """States in place of the family's, perhaps not steady, shape (N, n); None for the family's."""
 
     def __len__(self) -> int:
@@ -63,7 +63,7 @@ class Points:
 
     def __getitem__(self, index: Any) -> Points:
         """Some of the points, by a slice, a mask or an array of numbers."""
-        arrays = {n: getattr(self, n) for n in ("k", "mu", "at", "lean", "given")}
+        arrays = {n: getattr(self, n) for n in ("k", "mu", "at", "lean", "free_states")}
         return replace(self, **{n: v[index] for n, v in arrays.items() if v is not None})
 
     @property
@@ -84,8 +84,8 @@ class Points:
     @cached_property
     def states(self) -> Floats:
         """The states as people write them, with the double nearest π/2; shape (N, n)."""
-        if self.given is not None:
-            return self.given
+        if self.free_states is not None:
+            return self.free_states
         names = self.member.system.states
         x = np.zeros((len(self), len(names)))
         member = FAMILIES[self.family].member(np, self.at, self.k)
@@ -143,7 +143,7 @@ def truth(points: Points) -> Truth:
     >>> found.eigenvalues.shape, int(found.codes[0]) == CODES[Verdict.STABLE]
     ((1, 4), True)
     """
-    rows = [_one(*_exact(points, i), points) for i in range(len(points))]
+    rows = [_point_truth(*_exact(points, i), points) for i in range(len(points))]
     return Truth(*(np.array(column) for column in zip(*rows, strict=True)))
 
 
@@ -160,7 +160,7 @@ def _exact(points: Points, i: int) -> tuple[list[Any], list[Any]]:
     return [exact(points.at[i])], q
 
 
-def _one(a: list[Any], q: list[Any], points: Points) -> tuple[Any, ...]:
+def _point_truth(a: list[Any], q: list[Any], points: Points) -> tuple[Any, ...]:
     family, zeros, even = points.member, points.zeros, points.even
     bits = BITS
     while bits <= MOST_BITS:
@@ -249,12 +249,12 @@ def edge(family: str, law: str, k: float, mu: float | None, low: float, high: fl
     """
     from ...boundary.changes import boundaries
 
-    found = boundaries(
+    changes = boundaries(
         family, axis=("at", low, high, 60), disk=Disk(k=k), contact=law_named(law, mu)
     )
-    if len(found) != 1:
-        raise ArithmeticError(f"{family}, {law}, k = {k}, mu = {mu}: {len(found)} boundaries")
-    return found[0].value
+    if len(changes) != 1:
+        raise ArithmeticError(f"{family}, {law}, k = {k}, mu = {mu}: {len(changes)} boundaries")
+    return changes[0].value
 
 
 # --- hardness classes ---
@@ -360,12 +360,12 @@ MEETINGS = (
 
 
 def _meeting() -> list[Points]:
-    found = []
+    groups = []
     for family, k, mu, low, high in MEETINGS:
         at = coalescence(family, k, mu, low, high)
         near = [at, math.nextafter(at, math.inf), *(at * (1 + s) for s in (1e-14, 1e-12, 1e-10))]
-        found.append(_points(family, "viscous", k, mu, near))
-    return found
+        groups.append(_points(family, "viscous", k, mu, near))
+    return groups
 
 
 def _conservative() -> list[Points]:

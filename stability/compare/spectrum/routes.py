@@ -36,7 +36,7 @@ SMALL = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class Answer:
+class SpectrumAnswer:
     """Answer of a route at N points."""
 
     codes: NDArray[np.int8]
@@ -49,7 +49,7 @@ class Answer:
     """The route's own bound on the error of the abscissa, shape (N,); None if it states none."""
 
 
-def check(points: Points, answer: Answer) -> None:
+def check(points: Points, answer: SpectrumAnswer) -> None:
     """Refuse an answer of a wrong shape or type.
 
     Raises
@@ -90,15 +90,15 @@ class Route(Method):
         """The linearisation, shape (N, n, n)."""
         raise NotImplementedError
 
-    def answer(self, points: Points) -> Answer:
+    def answer(self, points: Points) -> SpectrumAnswer:
         """Eigenvalues and verdicts at points."""
         return self.judged(points, np.linalg.eigvals(self.matrices(points)).astype(complex))
 
-    def at_state(self, points: Points) -> Answer:
+    def at_state(self, points: Points) -> SpectrumAnswer:
         """The answer at states that may not be steady: most routes do not check."""
         return self.answer(points)
 
-    def judged(self, points: Points, values: Complexes) -> Answer:
+    def judged(self, points: Points, values: Complexes) -> SpectrumAnswer:
         """The answer from all eigenvalues, structural zeros included."""
         order = np.argsort(np.abs(values), axis=1, kind="stable")[:, points.zeros :]
         kept = np.take_along_axis(values, order, axis=1)
@@ -106,7 +106,7 @@ class Route(Method):
         codes = np.full(len(points), CODES[Verdict.NEUTRAL], dtype=np.int8)
         codes[abscissa > self.small] = CODES[Verdict.UNSTABLE]
         codes[abscissa < -self.small] = CODES[Verdict.STABLE]
-        return Answer(codes, kept, abscissa)
+        return SpectrumAnswer(codes, kept, abscissa)
 
 
 # --- differences of the rates ---
@@ -115,8 +115,8 @@ class Route(Method):
 def rates(points: Points, x: Floats) -> Floats:
     """Rates at states (N, n) of the points' disks, which need have no meaning."""
     arguments = [list(x.T), list(points.parameters.T)]
-    found: Floats = _rates(points.law).arrays(arguments, (len(points),))[0][..., 0]
-    return found
+    values: Floats = _rates(points.law).arrays(arguments, (len(points),))[0][..., 0]
+    return values
 
 
 class ForwardDifferences(Route):
@@ -210,8 +210,8 @@ def jacobian_program(law: str) -> Program:
 def automatic(points: Points) -> Floats:
     """CasADi's Jacobian of the rates at the points, in doubles; shape (N, n, n)."""
     arguments = [list(points.states.T), list(points.parameters.T)]
-    found: Floats = jacobian_program(points.law).arrays(arguments, (len(points),))[0]
-    return found
+    jacobians: Floats = jacobian_program(points.law).arrays(arguments, (len(points),))[0]
+    return jacobians
 
 
 class AutomaticJacobian(Route):
@@ -231,12 +231,12 @@ class AutomaticRaw(AutomaticJacobian):
     name, title = "ad-raw", "as ad, but the zeros that structure demands are left in"
     charted = False
 
-    def judged(self, points: Points, values: Complexes) -> Answer:  # noqa: ARG002
+    def judged(self, points: Points, values: Complexes) -> SpectrumAnswer:  # noqa: ARG002
         """Every eigenvalue counts, structural zeros too."""
         abscissa = values.real.max(axis=1)
         codes = np.where(abscissa > 0, CODES[Verdict.UNSTABLE], CODES[Verdict.STABLE])
         codes = np.where(abscissa == 0, CODES[Verdict.NEUTRAL], codes)
-        return Answer(codes.astype(np.int8), None, abscissa)
+        return SpectrumAnswer(codes.astype(np.int8), None, abscissa)
 
 
 class AutomaticTolerance(AutomaticJacobian):
@@ -245,7 +245,7 @@ class AutomaticTolerance(AutomaticJacobian):
     name, title = "ad-1e-9", "as ad, but what is below 1e-9 counts as zero"
     small = SMALL
 
-    def judged(self, points: Points, values: Complexes) -> Answer:
+    def judged(self, points: Points, values: Complexes) -> SpectrumAnswer:
         """Verdict and abscissa of the eigenvalues above 1e-9, structural or not."""
         abscissa = np.where(np.abs(values) > SMALL, values.real, -np.inf).max(axis=1)
         abscissa = np.where(np.isfinite(abscissa), abscissa, 0.0)
@@ -253,7 +253,7 @@ class AutomaticTolerance(AutomaticJacobian):
         flags = np.full(len(points), CODES[Verdict.NEUTRAL], dtype=np.int8)
         flags[abscissa > SMALL] = CODES[Verdict.UNSTABLE]
         flags[abscissa < -SMALL] = CODES[Verdict.STABLE]
-        return Answer(flags, codes.eigenvalues, abscissa)
+        return SpectrumAnswer(flags, codes.eigenvalues, abscissa)
 
 
 class SymbolicJacobian(Route):
@@ -295,7 +295,7 @@ class PolynomialRoots(Route):
 
     name, title = "polynomial", "characteristic polynomial in doubles; its roots by numpy.roots"
 
-    def answer(self, points: Points) -> Answer:
+    def answer(self, points: Points) -> SpectrumAnswer:
         """Roots of each polynomial, structural zeros divided out."""
         polynomials = _faddeev(automatic(points))
         kept = polynomials[:, : polynomials.shape[1] - points.zeros]
@@ -308,12 +308,12 @@ class Hurwitz(Route):
 
     name, title = "hurwitz", "characteristic polynomial in doubles; signs of Routh's array"
 
-    def answer(self, points: Points) -> Answer:
+    def answer(self, points: Points) -> SpectrumAnswer:
         """Verdicts alone."""
         polynomials = _faddeev(automatic(points))
         kept = polynomials[:, : polynomials.shape[1] - points.zeros]
         codes = [self._even(row) if points.even else self._routh(row) for row in kept]
-        return Answer(np.array([CODES[c] for c in codes], dtype=np.int8))
+        return SpectrumAnswer(np.array([CODES[c] for c in codes], dtype=np.int8))
 
     @staticmethod
     def _even(row: Floats) -> Verdict:
@@ -355,7 +355,7 @@ class ManyDigits(Route):
     arrays = False
     digits: ClassVar[int] = 30
 
-    def answer(self, points: Points) -> Answer:
+    def answer(self, points: Points) -> SpectrumAnswer:
         """Eigenvalues and verdicts, point by point."""
         import mpmath
 
@@ -366,7 +366,7 @@ class ManyDigits(Route):
         values = np.array([[complex(v) for v in row] for row in rows])
         tops = np.array([float(max(v.real for v in row)) for row in rows])
         codes = [CODES[self._verdict(row)] for row in rows]
-        return Answer(np.array(codes, dtype=np.int8), values, tops)
+        return SpectrumAnswer(np.array(codes, dtype=np.int8), values, tops)
 
     def _states(self, points: Points) -> list[list[Any]]:
         """The states to all digits, upright and solved values included."""
@@ -374,14 +374,14 @@ class ManyDigits(Route):
 
         record, rows = FAMILIES[points.family], []
         for i, row in enumerate(points.states):
-            found: list[Any] = [float(v) for v in row]
-            if points.given is None:
+            state: list[Any] = [float(v) for v in row]
+            if points.free_states is None:
                 at = mpmath.mpf(float(points.at[i]))
                 if points.lean is not None:
                     at = mpmath.pi / 2 - mpmath.mpf(float(points.lean[i]))
                 member = record.member(mpmath, at, mpmath.mpf(float(points.k[i])))
-                found = [member[name] for name in points.member.system.states]
-            rows.append([mpmath.pi / 2 if v is UPRIGHT else mpmath.mpf(v) for v in found])
+                state = [member[name] for name in points.member.system.states]
+            rows.append([mpmath.pi / 2 if v is UPRIGHT else mpmath.mpf(v) for v in state])
         return rows
 
     def _spectrum(self, points: Points, x: list[Any], p: Floats) -> list[Any]:
@@ -441,9 +441,9 @@ def _mpmath_algebra() -> Algebra:
 
 def _somewhere(points: Points, *, certify: bool) -> Spectrum:
     """Spectrum of a family that claims the given state; the package checks that it is steady."""
-    assert points.given is not None
+    assert points.free_states is not None
     system, law = disk_system(points.law), points.contact()
-    held = dict(zip(system.states, points.given[0].tolist(), strict=True))
+    held = dict(zip(system.states, points.free_states[0].tolist(), strict=True))
     at = held.pop("omega3")
     family = Family(
         system,
@@ -459,12 +459,12 @@ def _somewhere(points: Points, *, certify: bool) -> Spectrum:
     return spectrum(family, at=at, certify=certify, **p)
 
 
-def _told(found: Spectrum) -> Answer:
-    return Answer(
-        np.atleast_1d(found.codes),
-        np.atleast_2d(found.eigenvalues),
-        np.atleast_1d(found.abscissa),
-        np.atleast_1d(found.abscissa_error),
+def _spectrum_answer(result: Spectrum) -> SpectrumAnswer:
+    return SpectrumAnswer(
+        np.atleast_1d(result.codes),
+        np.atleast_2d(result.eigenvalues),
+        np.atleast_1d(result.abscissa),
+        np.atleast_1d(result.abscissa_error),
     )
 
 
@@ -480,14 +480,14 @@ class Deflated(Route):
     own, default = True, True
     certify: ClassVar[bool] = False
 
-    def answer(self, points: Points) -> Answer:
+    def answer(self, points: Points) -> SpectrumAnswer:
         """Call `spectrum` with all points at once."""
-        given: dict[str, Any] = _arguments(points)
-        return _told(spectrum(points.family, certify=self.certify, **given))
+        arguments: dict[str, Any] = _arguments(points)
+        return _spectrum_answer(spectrum(points.family, certify=self.certify, **arguments))
 
-    def at_state(self, points: Points) -> Answer:
+    def at_state(self, points: Points) -> SpectrumAnswer:
         """Call `spectrum` with a user's family that claims the state."""
-        return _told(_somewhere(points, certify=self.certify))
+        return _spectrum_answer(_somewhere(points, certify=self.certify))
 
 
 class Certified(Deflated):
@@ -503,7 +503,7 @@ class ExactVerdict(Route):
     name, title = "exact-verdict", "exact conditions over Q; a verdict alone"
     own, arrays = True, False
 
-    def answer(self, points: Points) -> Answer:
+    def answer(self, points: Points) -> SpectrumAnswer:
         """Call `stability.spectra.certificate.verdict` at each point."""
         problem = points.problem()
         rows = zip(
@@ -511,8 +511,8 @@ class ExactVerdict(Route):
             strict=True,
         )
         ones = (dict(zip(problem.values, row, strict=True)) for row in rows)
-        codes = [CODES[verdict(problem, one)] for one in ones]
-        return Answer(np.array(codes, dtype=np.int8))
+        codes = [CODES[verdict(problem, numbers)] for numbers in ones]
+        return SpectrumAnswer(np.array(codes, dtype=np.int8))
 
 
 OWN: tuple[type[Route], ...] = (Deflated, Certified, ExactVerdict)

@@ -76,10 +76,10 @@ def _numbers(parameters: Floats) -> list[Any]:
 
 
 def _compiled(arguments: Sequence[Any], expressions: Sequence[Any]) -> Callable[..., list[Any]]:
-    found: Callable[..., list[Any]] = sympy.lambdify(
+    compiled: Callable[..., list[Any]] = sympy.lambdify(
         arguments, list(expressions), modules="numpy", cse=True
     )
-    return found
+    return compiled
 
 
 def _filled(values: Sequence[Any], shape: tuple[int, ...]) -> Floats:
@@ -124,8 +124,8 @@ def solved(law: str) -> Matrices:
     """
     equations, unknowns, states = residual(law)
     mass, forcing = sympy.linear_eq_to_matrix(list(equations), unknowns)
-    found = mass.LUsolve(forcing)
-    rates = sympy.Matrix([X[1], *[found[i] for i in _accelerations(unknowns, states)]])
+    accelerations = mass.LUsolve(forcing)
+    rates = sympy.Matrix([X[1], *[accelerations[i] for i in _accelerations(unknowns, states)]])
     compiled = _compiled([*states, K, MU], list(rates.jacobian(states)))
     n = len(states)
 

@@ -91,10 +91,10 @@ def _quadratic(
     a: Any, b: Any, c: Any, d: Any, e: Any, r: Any, p: Any, q: Any, u: Any, v: Any
 ) -> Any:
     """Change of x² + p x + q, next to x - r and x² + u x + v."""
-    one = e - p
-    two = d - p * one - q
-    three = c - p * two - q * one
-    alpha, beta = b - p * three - q * two, a - q * three
+    square = e - p
+    linear = d - p * square - q
+    constant = c - p * linear - q * square
+    alpha, beta = b - p * constant - q * linear, a - q * constant
     s, f = u - p, v - q
     return _shifted(alpha, beta, f - s * (r + p), -r * f - s * q, p, q)
 
@@ -112,10 +112,12 @@ def correct_quartic(j: int, w: Any) -> None:
     a, b, c, d = w[A + j], w[A + SIDE + j], w[A + 2 * SIDE + j], w[A + 3 * SIDE + j]
     p, q, u, v = w[F + j], w[F + SIDE + j], w[F + 2 * SIDE + j], w[F + 3 * SIDE + j]
     s, f = u - p, v - q
-    one, other = d - p, d - u
-    two, second = c - p * one - q, c - u * other - v
-    dp, dq, first = _shifted(b - p * two - q * one, a - q * two, s, f, p, q)
-    du, dv, last = _shifted(b - u * second - v * other, a - v * second, -s, -f, u, v)
+    linear, other_linear = d - p, d - u
+    constant, other_constant = c - p * linear - q, c - u * other_linear - v
+    dp, dq, first = _shifted(b - p * constant - q * linear, a - q * constant, s, f, p, q)
+    du, dv, last = _shifted(
+        b - u * other_constant - v * other_linear, a - v * other_constant, -s, -f, u, v
+    )
     w[F + j], w[F + SIDE + j] = p + dp, q + dq
     w[F + 2 * SIDE + j], w[F + 3 * SIDE + j] = u + du, v + dv
     w[CHANGE + j] = larger(first, last)

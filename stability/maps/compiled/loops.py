@@ -95,8 +95,8 @@ def coefficients(
 def invert(rounding: float, w: Any) -> None:
     """The inverse of the leading coefficient, and the relative error of a product with it."""
     for j in range(SIDE):
-        one = 1.0 / w[LEAD + j]
-        w[LEAD + j], w[LEAD_ERROR + j] = one, w[LEAD_ERROR + j] * abs(one) + rounding
+        inverse = 1.0 / w[LEAD + j]
+        w[LEAD + j], w[LEAD_ERROR + j] = inverse, w[LEAD_ERROR + j] * abs(inverse) + rounding
 
 
 def monic(count: int, w: Any) -> None:
@@ -110,8 +110,8 @@ def monic(count: int, w: Any) -> None:
     for i in range(count):
         x, off = A + i * SIDE, E + i * SIDE
         for j in range(SIDE):
-            one = w[LEAD + j]
-            value, slack = w[U(x + j)] * one, w[U(off + j)] * abs(one)
+            inverse = w[LEAD + j]
+            value, slack = w[U(x + j)] * inverse, w[U(off + j)] * abs(inverse)
             w[U(off + j)] = 1.1 * (slack + abs(value) * w[LEAD_ERROR + j])
             w[U(x + j)] = value
 
@@ -183,14 +183,14 @@ def join(degree: int, j: int, z: Any, w: Any) -> None:
         far = k
         for i in range(k, degree):
             far = i if abs(z[i].imag) > abs(z[far].imag) else far
-        one, z[far] = z[far], z[k]
+        root, z[far] = z[far], z[k]
         near = k + 1
         for i in range(k + 1, degree):
-            mirrored = one.conjugate()
+            mirrored = root.conjugate()
             near = i if abs(z[i] - mirrored) < abs(z[near] - mirrored) else near
-        two, z[near] = z[near], z[k + 1]
-        w[F + k * SIDE + j] = -(one + two).real
-        w[F + (k + 1) * SIDE + j] = (one * two).real
+        partner, z[near] = z[near], z[k + 1]
+        w[F + k * SIDE + j] = -(root + partner).real
+        w[F + (k + 1) * SIDE + j] = (root * partner).real
 
 
 def rescue(degree: int, j: int, near: Any, z: Any, w: Any) -> None:
@@ -292,14 +292,14 @@ def predict(
                     w[F + f * SIDE + k] = begun + (near[f] - begun) * ((k - last) / (j - last))
             last = j
         return
-    known = min(row, 4)
-    one, two, three, four = (
+    before = min(row, 4)
+    first, second, third, fourth = (
         (1.0, 0.0, 0.0, 0.0)
-        if known == 1
+        if before == 1
         else (2.0, -1.0, 0.0, 0.0)
-        if known == 2
+        if before == 2
         else (3.0, -3.0, 1.0, 0.0)
-        if known == 3
+        if before == 3
         else (4.0, -6.0, 4.0, -1.0)
     )
     a, b, c, d = (row - 1) % 4, (row - 2) % 4, (row - 3) % 4, (row - 4) % 4
@@ -308,9 +308,9 @@ def predict(
         for j in range(many):
             k = column + j
             w[to + j] = (
-                one * past[a, f, k]
-                + two * past[b, f, k]
-                + (three * past[c, f, k] + four * past[d, f, k])
+                first * past[a, f, k]
+                + second * past[b, f, k]
+                + (third * past[c, f, k] + fourth * past[d, f, k])
             )
         for j in range(many, SIDE):
             w[to + j] = w[to + many - 1]
@@ -488,14 +488,14 @@ def refine(
     out: Any,
     codes: Any,
     cells: Any,
-    known: Any,
+    starts: Any,
     poor: Any,
     kept: Any,
 ) -> int:
     """The same for some cells, in increasing order, with coefficients in pairs of doubles.
 
     `rest` is what rounding to doubles left of the coefficients, and the scaled numbers are pairs of
-    doubles too, shapes (2, ·).  `known` are factors near those of the cells.
+    doubles too, shapes (2, ·).  `starts` are factors near those of the cells.
     """
     high, degrees, bounds, factors = table
     units, down, across = scale
@@ -523,7 +523,7 @@ def refine(
                 value[k, j], off[k, j] = upper + lower, DOUBLED * size + bounds[k, 1]
             w[UNIT + j] = units[row * down + column * across]
             for f in range(degree):
-                w[F + f * SIDE + j] = known[f, cell]
+                w[F + f * SIDE + j] = starts[f, cell]
         slot = 0
         for k in range(len(factors)):
             begin_, n = factors[k]

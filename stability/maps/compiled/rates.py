@@ -60,10 +60,10 @@ class CompiledRates:
     @classmethod
     def of(cls, rows: Sequence[Sequence[Surface | None]], *, even: bool) -> CompiledRates | None:
         """The same, or None where the loops have no such degrees."""
-        found = sorted((len(row) - 1 for row in rows), reverse=True)
+        degrees = sorted((len(row) - 1 for row in rows), reverse=True)
         exact = all(c is None or c.rest is not None for row in rows for c in row)
-        odd = found[0] in (1, 3, 5) and all(n == 1 for n in found[1:]) and sum(found) <= 6
-        return cls(rows, even=even) if exact and (found == [2] if even else odd) else None
+        odd = degrees[0] in (1, 3, 5) and all(n == 1 for n in degrees[1:]) and sum(degrees) <= 6
+        return cls(rows, even=even) if exact and (degrees == [2] if even else odd) else None
 
     def __call__(
         self,
@@ -101,8 +101,8 @@ class CompiledRates:
         how = scale, self.even, self.flags, (top, error, turn), codes
         open_cells = run.sweep(self.table, xs[0], ys[0], *how, left, kept)
         if open_cells:
-            known = left[:open_cells].copy(), np.ascontiguousarray(kept[:, :open_cells])
-            open_cells = run.refine(self.table, self.rest, xs, ys, *how, *known, left, kept)
+            starts = left[:open_cells].copy(), np.ascontiguousarray(kept[:, :open_cells])
+            open_cells = run.refine(self.table, self.rest, xs, ys, *how, *starts, left, kept)
         poor = np.zeros(count, dtype=bool)
         poor[left[:open_cells]] = True
         return Rates(top, error, turn, codes, None, poor)

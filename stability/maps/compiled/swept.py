@@ -21,14 +21,14 @@ from . import squares
 def _tape(bounded: Program, moving: frozenset[tuple[int, int]], count: int) -> Tape:
     """What is left of a program that has begun: its inputs are what is kept, and what moves."""
 
-    def entries(given: list[Any], algebra: Algebra) -> list[Any]:
+    def entries(numbers: list[Any], algebra: Algebra) -> list[Any]:
         blocks: list[list[Any]] = [[None] * size for size in bounded.inputs]
-        for (i, j), value in zip(sorted(moving), given[count:], strict=True):
+        for (i, j), value in zip(sorted(moving), numbers[count:], strict=True):
             blocks[i][j] = value
         nothing = [[np.float64(np.nan)] * size for size in bounded.inputs]
         rest = bounded.begun(numpy_algebra(), nothing, moving).run
-        found = rest(algebra.functions, given[:count], blocks)
-        return [entry for values in found for entry in values]
+        columns = rest(algebra.functions, numbers[:count], blocks)
+        return [entry for values in columns for entry in values]
 
     return recorded(entries, count + len(moving))
 

@@ -29,8 +29,8 @@ from ...bodies.model import LIFT_OFF, NO_CONTACT
 from ...integrators.flow import Flow, flow_of
 from ...integrators.leg import Leg
 from ...integrators.selection import METHODS, dense, explicit
-from .elements import Elements, Linear
-from .track import Problem, decade, relative
+from .elements import Elements, LinearEquation
+from .track import LaunchProblem, decade, relative
 
 LAWS = (Viscous, LinearViscous)
 """Laws whose slip the force gives."""
@@ -60,7 +60,7 @@ SUPER = 0.1
 SPLITS = 4
 """Most divisions of an element that does not resolve the motion."""
 PHASE = 0.1
-"""Phase that `Linear` may lose in all turns of a small deviation."""
+"""Phase that `LinearEquation` may lose in all turns of a small deviation."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,7 +92,7 @@ class CreepPath:
     """Rate at which slip decays over that at which it is driven, at the points, shape (E, N)."""
     bound: bool
     """Whether the slip still follows the motion at the end: creep may go on from there."""
-    linear: Linear
+    linear: LinearEquation
     """The equation of a small deviation along the path."""
     normal: float
     """Least normal force on the rough path."""
@@ -106,7 +106,7 @@ class CreepPath:
 class HeldMotion:
     """The body of a problem held to a slip, at all points of a path."""
 
-    problem: Problem
+    problem: LaunchProblem
     """The problem, whose law has creep."""
     rough: Flow
     """The body without slip."""
@@ -136,36 +136,36 @@ class HeldMotion:
 
     def motion(self, path: Floats, *slip: Floats) -> tuple[Floats, Floats]:
         """Rates, (E, N, n), and forces, (E, N, 3), with a slip and its rate, (E, N, 2), or none."""
-        found = self._run(0, path, *slip)
-        return found[..., : self.n], found[..., self.n :]
+        values = self._run(0, path, *slip)
+        return values[..., : self.n], values[..., self.n :]
 
     def slope(self, path: Floats, *slip: Floats) -> Floats:
         """Slope of the rates in the states, shape (E, N, n, n)."""
-        found = self._run(1, path, *slip)
-        columns = found.reshape(*path.shape[:-1], self.n, self.n)
+        entries = self._run(1, path, *slip)
+        columns = entries.reshape(*path.shape[:-1], self.n, self.n)
         return np.ascontiguousarray(columns.swapaxes(-1, -2))
 
     def _run(self, which: int, path: Floats, *slip: Floats) -> Floats:
-        n, own = self.n, self.n + len(self.p)
-        points = np.zeros((own + 4, path.size // n))
-        points[:n], points[n:own] = path.reshape(-1, n).T, self.p[:, None]
+        n, inputs = self.n, self.n + len(self.p)
+        points = np.zeros((inputs + 4, path.size // n))
+        points[:n], points[n:inputs] = path.reshape(-1, n).T, self.p[:, None]
         for i, part in enumerate(slip):
-            points[own + 2 * i : own + 2 * i + 2] = part.reshape(-1, 2).T
-        found = self.programs[which].many(points)
-        return np.ascontiguousarray(found.T).reshape(*path.shape[:-1], -1)
+            points[inputs + 2 * i : inputs + 2 * i + 2] = part.reshape(-1, 2).T
+        values = self.programs[which].many(points)
+        return np.ascontiguousarray(values.T).reshape(*path.shape[:-1], -1)
 
     def slip(self, forces: Floats) -> Floats:
         """The slip at which the law has these forces, shape (E, N, 2)."""
         normal = 1.0 if self.by_force else forces[..., 2:]
-        found: Floats = -forces[..., :2] / (self.mu * normal)
-        return found
+        slip: Floats = -forces[..., :2] / (self.mu * normal)
+        return slip
 
     def relaxation(self, forces: Floats, slip_rate: Floats) -> Floats:
         """Rate at which slip decays over that at which the motion drives it, shape (E, N)."""
         drag = self.mu * slip_rate
         normal = np.ones(forces.shape[:-1]) if self.by_force else forces[..., 2]
-        found: Floats = self.mu * normal / np.sqrt(1 + (drag**2).sum(axis=-1))
-        return np.where(forces[..., 2] > 0, found, 0.0)
+        decay: Floats = self.mu * normal / np.sqrt(1 + (drag**2).sum(axis=-1))
+        return np.where(forces[..., 2] > 0, decay, 0.0)
 
     def held_by_contact(self, path: Floats, slip: Floats) -> NDArray[np.bool_]:
         """Whether D of the viscous law stays clear of zero with this slip, shape (E, N).
@@ -179,20 +179,20 @@ class HeldMotion:
         return share.reshape(path.shape[:-1]) > CLEAR
 
 
-def contact_at(problem: Problem, states: Floats) -> tuple[Floats, Floats]:
+def contact_at(problem: LaunchProblem, states: Floats) -> tuple[Floats, Floats]:
     """Normal force of the full model, and D over its value without slip, at states (t, n + 2)."""
-    own = problem.flow
-    rows = [own.pack(states).T, np.tile(problem.flow_p[:, None], len(states))]
-    normal, share = _contact(own).many(np.concatenate(rows))
+    flow = problem.flow
+    rows = [flow.pack(states).T, np.tile(problem.flow_p[:, None], len(states))]
+    normal, share = _contact(flow).many(np.concatenate(rows))
     return normal, share
 
 
-def applies(problem: Problem) -> bool:
+def applies(problem: LaunchProblem) -> bool:
     """Whether creep is solved for the body and the law of a problem."""
     return problem.launches.law in LAWS and problem.launches.model.held is not None
 
 
-def held_of(problem: Problem) -> HeldMotion:
+def held_of(problem: LaunchProblem) -> HeldMotion:
     """The held body of a problem to which creep applies."""
     held = problem.launches.model.held
     assert held is not None
@@ -200,7 +200,7 @@ def held_of(problem: Problem) -> HeldMotion:
 
 
 def creep_path(
-    problem: Problem,
+    problem: LaunchProblem,
     held: HeldMotion,
     start: Floats,
     begin: float,
@@ -224,7 +224,7 @@ def creep_path(
     if valid == 0:
         return f"slip follows the motion only {relaxation[0].min():.3g} times faster than it moves"
     bound = valid == len(path)
-    linear = Linear.along(elements.first(valid), slope[:valid])
+    linear = LinearEquation.along(elements.first(valid), slope[:valid])
     rates, _ = held.motion(path[:valid], slip[:valid], rate[:valid])
     change = linear.solve(rates - linear.elements.derivative(path[:valid]), np.zeros(held.n))
     near = _window(change, path[:valid])
@@ -248,7 +248,7 @@ def _window(change: Floats, path: Floats) -> int:
 
 def _orders(
     held: HeldMotion,
-    linear: Linear,
+    linear: LinearEquation,
     path: Floats,
     slip: Floats,
     rate: Floats,
@@ -256,7 +256,7 @@ def _orders(
     tolerance: float,
 ) -> tuple[Order, ...]:
     """Orders from the first change on, until one is fine enough or they no longer fall."""
-    found: list[Order] = []
+    orders: list[Order] = []
     size, ratio, elements = np.inf, 0.0, linear.elements
     now, zero = Order(path, np.zeros_like(slip)), np.zeros(held.n)
     for _ in range(MOST_ORDERS + 1):
@@ -267,17 +267,17 @@ def _orders(
         # the orders are an asymptotic series: the share by which each falls grows, soon above 1
         following = ratio * max(1.0, ratio / earlier) if earlier else ratio
         if not (ratio < STALLS and following < STALLS and np.isfinite(size)):
-            if found:  # what the next order would change is not known to be its error, but counts
-                last = found[-1]
-                found[-1] = replace(last, errors=np.abs(last.errors) + np.abs(errors))
+            if orders:  # what the next order would change is not known to be its error, but counts
+                last = orders[-1]
+                orders[-1] = replace(last, errors=np.abs(last.errors) + np.abs(errors))
             break
         rest = (DOUBT if following > NEARLY else 1.0) / (1 - following)
-        found.append(Order(now.path, now.slip, rest * errors))
+        orders.append(Order(now.path, now.slip, rest * errors))
         if size <= tolerance or size < 1e-14:
             break
         now = then
         if size > BENT:
-            linear = Linear.along(elements, held.slope(now.path, slip, rate))
+            linear = LinearEquation.along(elements, held.slope(now.path, slip, rate))
         _, forces = held.motion(now.path, slip, rate)
         if not (forces[..., 2] > 0).all():
             break
@@ -285,7 +285,7 @@ def _orders(
         rate = elements.derivative(slip)
         rates, _ = held.motion(now.path, slip, rate)
         change = linear.solve(rates - elements.derivative(now.path), zero)
-    return tuple(found)
+    return tuple(orders)
 
 
 def _follows(relaxation: Floats) -> int:
@@ -295,7 +295,12 @@ def _follows(relaxation: Floats) -> int:
 
 
 def _rough(
-    problem: Problem, held: HeldMotion, start: Floats, begin: float, last: float, tolerance: float
+    problem: LaunchProblem,
+    held: HeldMotion,
+    start: Floats,
+    begin: float,
+    last: float,
+    tolerance: float,
 ) -> tuple[Elements, Floats, Floats] | str:
     """The rough disk's path on elements that resolve it, up to its own end, and its slope."""
     rough = held.rough
@@ -332,7 +337,7 @@ def _rough(
 
 
 def _pieces(elements: Elements, slope: Floats) -> NDArray[np.intp]:
-    """Number of parts of each element in which `Linear` follows the turns of small deviations.
+    """Number of parts of each element in which `LinearEquation` follows turns of small deviations.
 
     Near a steady motion the path is smooth at the size of the tolerance on long elements, but the
     linear equation still turns at its own rate.  A step h of an exponential to eighth order loses
@@ -342,8 +347,8 @@ def _pieces(elements: Elements, slope: Floats) -> NDArray[np.intp]:
     gaps = elements.gaps[..., 0, 0]
 
     def lost(rates: Floats) -> Floats:
-        found: Floats = ((rates[:, None] * gaps) ** 9).sum(axis=1) / math.factorial(9)
-        return found
+        errors: Floats = ((rates[:, None] * gaps) ** 9).sum(axis=1) / math.factorial(9)
+        return errors
 
     least = np.ones(len(some), dtype=np.intp)
     if lost(np.sqrt((some**2).sum(axis=(2, 3)).max(axis=1))).sum() <= PHASE:
@@ -352,19 +357,19 @@ def _pieces(elements: Elements, slope: Floats) -> NDArray[np.intp]:
     if not phases.sum() > PHASE:
         return least
     parts = (phases * (len(phases) / PHASE)) ** 0.125
-    found: NDArray[np.intp] = np.ceil(np.maximum(parts, 1.0)).astype(np.intp)
-    return found
+    counts: NDArray[np.intp] = np.ceil(np.maximum(parts, 1.0)).astype(np.intp)
+    return counts
 
 
 def transient(
-    problem: Problem, held: HeldMotion, start: Floats, begin: float, tolerance: float
+    problem: LaunchProblem, held: HeldMotion, start: Floats, begin: float, tolerance: float
 ) -> tuple[Floats, Floats, Any] | str:
     """The full model until the slip of the start has decayed, or why it does not.
 
     Times, shape (t,), and states, shape (t, n + 2), of which the last begin creep; the end of the
     run where a guard failed.
     """
-    own, p = problem.flow, problem.flow_p
+    flow, p = problem.flow, problem.flow_p
     pull = _pull(problem, held, start[None])[0]
     apart = max(float(np.abs(start[held.n :]).max()), 1.0 / held.mu)
     needed = np.log(max(apart / (LAYER * tolerance), 1.0))
@@ -379,15 +384,15 @@ def transient(
         asked = problem.times[(problem.times > now) & (problem.times < inner[-1])][:1000]
         grid = np.union1d(inner, asked)
         leg = Leg(
-            own,
+            flow,
             p,
-            own.pack(states[-1]),
+            flow.pack(states[-1]),
             grid,
             decade(tolerance / 100, most=1e-10),
             100_000,
             problem.max_seconds,
         )
-        run = METHODS[explicit(own)](leg)
+        run = METHODS[explicit(flow)](leg)
         times = np.concatenate([times, grid[1 : len(run.states)]])
         states = np.concatenate([states, run.states[1:, : problem.own]])
         if run.end is not None:
@@ -420,7 +425,7 @@ def _free(held: HeldMotion, states: Floats) -> Floats:
     return np.where(fades, apart, 0.0)
 
 
-def _pull(problem: Problem, held: HeldMotion, states: Floats) -> Floats:
+def _pull(problem: LaunchProblem, held: HeldMotion, states: Floats) -> Floats:
     """Least rate at which slip decays.
 
     A force at the contact meets an inverse inertia of at least 1/m.  The normal force falls as D
@@ -433,10 +438,10 @@ def _pull(problem: Problem, held: HeldMotion, states: Floats) -> Floats:
 
 
 @lru_cache(maxsize=8)
-def _contact(own: Flow) -> Program:
+def _contact(flow: Flow) -> Program:
     """Program of (y, p) → the normal force of the full model, and D over its value without slip."""
-    there = own.guards[NO_CONTACT]
-    slip = own.x[list(own.model.sliding)]
+    there = flow.guards[NO_CONTACT]
+    slip = flow.x[list(flow.model.sliding)]
     share = there / ca.substitute(there, slip, ca.SX.zeros(2))
-    normal = own.guards[LIFT_OFF] / there
-    return Program(ca.Function("contact", [own.x, own.p], [ca.vertcat(normal, share)]))
+    normal = flow.guards[LIFT_OFF] / there
+    return Program(ca.Function("contact", [flow.x, flow.p], [ca.vertcat(normal, share)]))

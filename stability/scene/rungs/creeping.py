@@ -14,7 +14,7 @@ import numpy as np
 from ...base.types import Floats
 from .creep import CreepPath, HeldMotion, applies, creep_path, held_of, transient
 from .full import between, full
-from .track import Finish, Problem, Refused, Track, relative
+from .track import Finish, LaunchProblem, Refused, Track, relative
 
 TURNS = 6
 """Most times that creep is tried again."""
@@ -86,7 +86,7 @@ class Work:
 class Climb:
     """The way through a problem by pieces, as far as it is known."""
 
-    problem: Problem
+    problem: LaunchProblem
     """The problem."""
     held: HeldMotion
     """The held body of its law."""
@@ -133,7 +133,7 @@ class Climb:
 
 
 def creeping(
-    problem: Problem, work: Work = Work(), order: int | None = None
+    problem: LaunchProblem, work: Work = Work(), order: int | None = None
 ) -> tuple[dict[str, float], str, Track | Refused]:
     """The lowest order of creep that is fine enough, with what is before and after.
 
@@ -279,11 +279,11 @@ def _use(climb: Climb, times: Floats, states: Floats, path: CreepPath) -> str:
             lambda asked: elements.at(asked, size[..., None])[:, 0] + inside(asked),
         ),
     ]
-    told = climb.problem.when
+    when = climb.problem.when
     if first > climb.now:
-        climb.notes.append(f"the full model to {told(first)}, until the slip has decayed")
+        climb.notes.append(f"the full model to {when(first)}, until the slip has decayed")
     many = "1 element" if len(six) == 1 else f"{len(six)} elements"
-    climb.notes.append(f"{name_of(best)} to {told(elements.edges[-1])} on {many}")
+    climb.notes.append(f"{name_of(best)} to {when(elements.edges[-1])} on {many}")
     climb.highest = max(climb.highest, best)
     climb.relaxation = min(climb.relaxation, float(path.relaxation.min()))
     climb.normal = min(climb.normal, path.normal)
@@ -310,8 +310,8 @@ def _by_full(climb: Climb, last: float) -> None:
     climb.steps += track.steps
     climb.finish = track.finish
     climb.now, climb.state = float(track.times[-1]), track.states[-1]
-    own = climb.problem.own
-    climb.carried = np.full(own, track.errors[-1] / own**0.5)
+    count = climb.problem.own
+    climb.carried = np.full(count, track.errors[-1] / count**0.5)
     if not np.isfinite(climb.carried).all():
         climb.lost = "the error of the full model between two stretches has no bound"
 
@@ -327,17 +327,17 @@ def _joined(climb: Climb) -> Track:
 
     def gather(asked: Floats, of: Callable[[Piece], Callable[[Floats], Floats]]) -> Floats:
         which = np.clip(np.searchsorted(begins, asked, side="right") - 1, 0, len(pieces) - 1)
-        found: list[Floats] = []
+        values: list[Floats] = []
         for i in np.unique(which):
             mine = asked[which == i]
-            found.append(of(pieces[i])(np.clip(mine, pieces[i].begin, pieces[i].end)))
-        return np.concatenate(found)  # the times rise, and so do the pieces
+            values.append(of(pieces[i])(np.clip(mine, pieces[i].begin, pieces[i].end)))
+        return np.concatenate(values)  # the times rise, and so do the pieces
 
     def at(asked: Floats) -> Floats:
         order = np.argsort(asked, kind="stable")
-        found = np.empty((len(asked), problem.own))
-        found[order] = gather(asked[order], lambda piece: piece.states)
-        return found
+        values = np.empty((len(asked), problem.own))
+        values[order] = gather(asked[order], lambda piece: piece.states)
+        return values
 
     errors = gather(times, lambda piece: piece.errors)
     return Track(

@@ -21,8 +21,8 @@ import numpy as np
 from ...base.types import Floats
 from ...bodies.contact_laws import LinearViscous, Viscous
 from .elements import Elements, chebyshev
-from .near_steady import SAMPLES, Modes, modes, modes_of, rates_at, slope_at
-from .track import Problem, Refused, Track, relative
+from .near_steady import SAMPLES, ModalMotion, modes, modes_of, rates_at, slope_at
+from .track import LaunchProblem, Refused, Track, relative
 
 DRIFT, ROLLING = "drift", "rolling"
 """Name of the rung, and of the family that drifts."""
@@ -55,16 +55,16 @@ class SlowManifold:
     """ω₃ there."""
     reach: float
     """Change of the spin over the interval that is known."""
-    known: Floats
+    nodes: Floats
     """Time, ln |tilt|, a and b at the Chebyshev points of the interval, shape (NODES, 4)."""
 
     def _seen(self, share: Floats) -> Floats:
         """Time, ln |tilt|, a and b at shares of the interval, shape (t, 4)."""
-        return Elements(np.array([0.0, 1.0]), NODES).at(share, self.known[None])
+        return Elements(np.array([0.0, 1.0]), NODES).at(share, self.nodes[None])
 
     def at(self, times: Floats) -> tuple[Floats, Floats]:
         """Tilt and spin at times, shape (t,)."""
-        share = np.interp(times, self.known[:, 0], chebyshev(NODES)[0])
+        share = np.interp(times, self.nodes[:, 0], chebyshev(NODES)[0])
         for _ in range(NEWTON):
             time, log, _, b = self._seen(share).T
             share = np.clip(share - (time - times) * b * np.exp(2 * log) / self.reach, 0.0, 1.0)
@@ -77,7 +77,7 @@ class SlowManifold:
         return a * tilt**3, b * tilt**2
 
 
-def _manifold(problem: Problem, tilt: float, spin: float) -> SlowManifold | Refused:
+def _manifold(problem: LaunchProblem, tilt: float, spin: float) -> SlowManifold | Refused:
     """The drift of a body up to the horizon, on an interval of the spin that is found."""
     first = _coefficients(problem, np.array([spin]))
     if isinstance(first, Refused):
@@ -89,12 +89,12 @@ def _manifold(problem: Problem, tilt: float, spin: float) -> SlowManifold | Refu
     integral[1:, 1:] = np.linalg.inv(derivative[1:, 1:])
     low, high = 0.0, np.inf  # an interval that is known, and one that is too long
     for _ in range(REACHES):
-        found = _coefficients(problem, spin + reach * points)
-        resolved = not isinstance(found, Refused)
-        if isinstance(found, Refused):
-            why = found
+        coefficients = _coefficients(problem, spin + reach * points)
+        resolved = not isinstance(coefficients, Refused)
+        if isinstance(coefficients, Refused):
+            why = coefficients
         else:
-            a, b = found.T
+            a, b = coefficients.T
             log = np.log(abs(tilt)) + reach * integral @ (a / b)
             time = reach * integral @ (1 / (b * np.exp(2 * log)))
             shares = np.stack([a / a[0], b / b[0]], -1)
@@ -106,15 +106,15 @@ def _manifold(problem: Problem, tilt: float, spin: float) -> SlowManifold | Refu
     return why
 
 
-def _coefficients(problem: Problem, spins: Floats) -> Floats | Refused:
+def _coefficients(problem: LaunchProblem, spins: Floats) -> Floats | Refused:
     """Both coefficients a and b at spins, shape (s, 2), to fourth order in the reference tilt."""
     step = STEP * np.abs(spins)
     every = [_here(problem, spin) for spin in np.concatenate([spins, spins + step, spins - step])]
-    known = [here for here in every if here is not None and here.decays]
-    if len(known) < len(every):
+    members = [here for here in every if here is not None and here.decays]
+    if len(members) < len(every):
         return Refused("the drift ends before the horizon, where rolling no longer decays")
     member, slow, follow, mode = (
-        np.stack([getattr(here, n) for here in known])
+        np.stack([getattr(here, n) for here in members])
         for n in ("member", "slow", "follow", "circling")
     )
     many = len(spins)
@@ -131,11 +131,11 @@ def _coefficients(problem: Problem, spins: Floats) -> Floats | Refused:
     large, small, other = np.moveaxis(true / np.hstack([tilts**3, tilts**2]), 1, 0)
     if not (np.abs(large - other) <= UNEVEN * np.abs(large)).all():
         return Refused("its drift is known for bodies alone that are alike on both sides")
-    found: Floats = (4 * small - large) / 3
-    return found
+    coefficients: Floats = (4 * small - large) / 3
+    return coefficients
 
 
-def drifting(problem: Problem) -> Track | Refused:
+def drifting(problem: LaunchProblem) -> Track | Refused:
     """The track of a rolling body that drifts, and of its fast modes while they decay."""
     if problem.launches.law not in (Viscous, LinearViscous):
         return Refused("no rolling drifts under this law")
@@ -149,31 +149,31 @@ def drifting(problem: Problem) -> Track | Refused:
             f"the body leans by {np.pi / 2 - near.member[0]:.3g} rad as it rolls, where "
             "no drift is known"
         )
-    found = modes(problem, near.member, near.family)
-    if isinstance(found, Refused):
-        return found
-    zero = np.abs(found.values) < ZERO * np.abs(found.values).max()
-    if zero.sum() != 2 or not (found.values[~zero].real < 0).all():
+    motion = modes(problem, near.member, near.family)
+    if isinstance(motion, Refused):
+        return motion
+    zero = np.abs(motion.values) < ZERO * np.abs(motion.values).max()
+    if zero.sum() != 2 or not (motion.values[~zero].real < 0).all():
         return Refused("rolling has not two zero eigenvalues and decaying ones")
-    slow, fast = _split(found, zero)
-    tilt, spin = float(slow[0]), float(found.member[3] + slow[1])
+    slow, fast = _split(motion, zero)
+    tilt, spin = float(slow[0]), float(motion.member[3] + slow[1])
     if not tilt:
         return Refused("it does not lean: nothing drifts")
     drift = _manifold(problem, tilt, spin)
     where = {"tilt": abs(tilt)}
-    return drift if isinstance(drift, Refused) else _track(problem, found, drift, fast, where)
+    return drift if isinstance(drift, Refused) else _track(problem, motion, drift, fast, where)
 
 
-def _split(found: Modes, zero: Floats) -> tuple[Floats, Floats]:
+def _split(motion: ModalMotion, zero: Floats) -> tuple[Floats, Floats]:
     """Tilt and change of spin on the slow manifold, and the fast modes of the start."""
-    first = np.where(zero, found.first, 0)
-    slow = (found.vectors @ first).real
-    return slow[[0, 3]], np.where(zero, 0, found.first)
+    first = np.where(zero, motion.first, 0)
+    slow = (motion.vectors @ first).real
+    return slow[[0, 3]], np.where(zero, 0, motion.first)
 
 
 def _track(
-    problem: Problem,
-    start: Modes,
+    problem: LaunchProblem,
+    start: ModalMotion,
     manifold: SlowManifold,
     fast: Floats,
     where: dict[str, float],
@@ -212,7 +212,7 @@ def _track(
 
 
 @dataclass(frozen=True, eq=False)
-class Linear:
+class LinearRolling:
     """The linear motion about rolling at one spin."""
 
     member: Floats
@@ -241,18 +241,18 @@ class Linear:
     @cached_property
     def slow(self) -> Floats:
         """Matrix that gives tilt and spin of the part that does not decay, shape (2, 6)."""
-        found: Floats = (self.vectors[:, self.zero] @ self.back[self.zero]).real[[0, 3]]
-        return found
+        matrix: Floats = (self.vectors[:, self.zero] @ self.back[self.zero]).real[[0, 3]]
+        return matrix
 
     @cached_property
     def follow(self) -> Floats:
         """Matrix from rates to a displacement with these linear rates, in the modes that decay."""
         over = np.where(self.zero, 0, 1 / np.where(self.zero, 1, self.values))
-        found: Floats = (self.vectors * over @ self.back).real
-        return found
+        matrix: Floats = (self.vectors * over @ self.back).real
+        return matrix
 
 
-def _offset(start: Modes, manifold: SlowManifold, last: float) -> float:
+def _offset(start: ModalMotion, manifold: SlowManifold, last: float) -> float:
     """Second order of the start in tilt and spin: that of the motion, less the drift itself."""
     decay = float(-start.values.real[np.abs(start.values.real) > ZERO].max())
     early = min(last, FADED / decay)
@@ -263,7 +263,9 @@ def _offset(start: Modes, manifold: SlowManifold, last: float) -> float:
     return float(relative(second, start.member))
 
 
-def _phase(problem: Problem, start: Modes, fast: Any, every: Floats, moved: Floats) -> Floats:
+def _phase(
+    problem: LaunchProblem, start: ModalMotion, fast: Any, every: Floats, moved: Floats
+) -> Floats:
     """Error of the fast modes: their rates change by tilt, spin and their own size.
 
     They may decay so slowly that a small change of a frequency is a large phase in the end.
@@ -272,31 +274,31 @@ def _phase(problem: Problem, start: Modes, fast: Any, every: Floats, moved: Floa
     """
     kept = np.where(fast == 0, 0.0, 1.0)
     shares = np.arange(1, SAMPLES + 1) / SAMPLES
-    times, own = start.only(kept).third(problem.last * shares**2)
+    times, third = start.only(kept).third(problem.last * shares**2)
     slow = start.member + (start.vectors @ np.where(kept == 0, start.first, 0)).real
     there = np.linalg.eigvals(problem.flow.system.linearise(slow, problem.p))
     apart = np.abs(there[:, None] - start.values).min(axis=0)
     apart = apart + np.stack([np.interp(times, every, m) for m in moved.T], axis=-1)
     lost = np.exp(np.multiply.outer(times, start.values)) * fast * apart * times[:, None]
-    error = own + SAFETY * relative(np.abs(lost) @ np.abs(start.vectors).T, start.member)
+    error = third + SAFETY * relative(np.abs(lost) @ np.abs(start.vectors).T, start.member)
     error = np.append(0.0, np.maximum.accumulate(error))
-    found: Floats = np.interp(every[1:], np.append(0.0, times), error)
-    return found
+    along: Floats = np.interp(every[1:], np.append(0.0, times), error)
+    return along
 
 
-def _here(problem: Problem, spin: float) -> Linear | None:
+def _here(problem: LaunchProblem, spin: float) -> LinearRolling | None:
     """The linear motion about rolling at a spin; None where not exactly two modes are zero."""
     member = np.array([np.pi / 2, 0.0, 0.0, spin, 0.0, 0.0])
     values, vectors, back = modes_of(slope_at(problem, member))
     zero = np.abs(values) < ZERO * np.abs(values).max()
     if zero.sum() != 2 or back is None:
         return None
-    return Linear(member, values, vectors, back, zero)
+    return LinearRolling(member, values, vectors, back, zero)
 
 
 def _size(
-    problem: Problem,
-    here: Linear,
+    problem: LaunchProblem,
+    here: LinearRolling,
     manifold: SlowManifold,
     place: tuple[float, float],
     mode: Floats,

@@ -2,7 +2,7 @@
 
 A path is known at Chebyshev points of each element.  The derivative is a matrix, so the defect of
 the path in any equations is an evaluation, without a run of them.  A linear equation along the path
-(`Linear`, or `carried` where it is stiff) gives the error that a defect causes.
+(`LinearEquation`, or `carried` where it is stiff) gives the error that a defect causes.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ POINTS = 16
 TOGETHER = 128
 """Elements whose equations are solved at once, for memory."""
 MOST_COMPILED = 4
-"""Most states for which the steps of `Linear` are machine code: more take long to build."""
+"""Most states for which the steps of `LinearEquation` are machine code: more take long to build."""
 
 
 @lru_cache(maxsize=8)
@@ -98,15 +98,15 @@ class Elements:
     def times(self) -> Floats:
         """Times of the points, shape (E, N)."""
         share, _, _ = chebyshev(self.points)
-        found: Floats = self.edges[:-1, None] + self.lengths[:, None] * share
-        found[:, -1] = self.edges[1:]
-        return found
+        times: Floats = self.edges[:-1, None] + self.lengths[:, None] * share
+        times[:, -1] = self.edges[1:]
+        return times
 
     @cached_property
     def gaps(self) -> Floats:
         """Steps between the points, shape (E, N - 1, 1, 1)."""
-        found: Floats = (self.lengths[:, None] * _midpoints(self.points)[1])[..., None, None]
-        return found
+        gaps: Floats = (self.lengths[:, None] * _midpoints(self.points)[1])[..., None, None]
+        return gaps
 
     def halved(self, which: NDArray[np.bool_]) -> Elements:
         """The elements, of which some are halved."""
@@ -116,8 +116,8 @@ class Elements:
     def derivative(self, values: Floats) -> Floats:
         """Time derivative of values at the points, shape (E, N, n)."""
         matrix = chebyshev(self.points)[1]
-        found: Floats = matrix @ values / self.lengths[:, None, None]
-        return found
+        rates: Floats = matrix @ values / self.lengths[:, None, None]
+        return rates
 
     def at(self, times: Floats, values: Floats) -> Floats:
         """Values at other times, shape (t, n), by barycentric interpolation."""
@@ -128,9 +128,9 @@ class Elements:
         factors = weights / np.where(hit, 1.0, apart)
         on = hit.any(axis=1)
         factors[on] = hit[on]
-        found: Floats = np.einsum("tj,tjn->tn", factors, values[which])
-        found /= factors.sum(axis=1)[:, None]
-        return found
+        interpolated: Floats = np.einsum("tj,tjn->tn", factors, values[which])
+        interpolated /= factors.sum(axis=1)[:, None]
+        return interpolated
 
     def tails(self, values: Floats) -> Floats:
         """Size of the last two Chebyshev coefficients of each element: what is not resolved.
@@ -139,8 +139,8 @@ class Elements:
         """
         matrix = coefficients(self.points)[-2:]
         size = np.maximum(1.0, np.abs(values).max(axis=1))
-        found: Floats = (np.abs(matrix @ values).sum(axis=1) / size).max(axis=-1)
-        return found
+        tails: Floats = (np.abs(matrix @ values).sum(axis=1) / size).max(axis=-1)
+        return tails
 
 
 @lru_cache(maxsize=8)
@@ -171,12 +171,12 @@ def _between(elements: Elements, values: Floats) -> Floats:
     """Values in the middle of each step, shape (E, N - 1, …)."""
     count, points = values.shape[:2]
     inner = _midpoints(elements.points)[0] @ values.reshape(count, points, -1)
-    found: Floats = inner.reshape(count, points - 1, *values.shape[2:])
-    return found
+    middle: Floats = inner.reshape(count, points - 1, *values.shape[2:])
+    return middle
 
 
 @dataclass(frozen=True, eq=False)
-class Linear:
+class LinearEquation:
     """The equation e' = A(t) e + δ(t) along a path, built once for any δ and start.
 
     From one point to the next: Magnus' series to fourth order for e, whose exponential keeps the
@@ -194,24 +194,24 @@ class Linear:
     """Matrices that take e from each point to the next, shape (E, N-1, n, n)."""
 
     @classmethod
-    def along(cls, elements: Elements, matrices: Floats) -> Linear:
+    def along(cls, elements: Elements, matrices: Floats) -> LinearEquation:
         """The equation with the matrices A at the points, shape (E, N, n, n)."""
         middle, h = _between(elements, matrices), elements.gaps
         first, last, n = matrices[:, :-1], matrices[:, 1:], matrices.shape[-1]
         if n > MOST_COMPILED or not available():
             step, half = _steps(first, middle, last, h, np.eye(n))
             return cls(elements, half, step)
-        given = np.empty((3 * n * n + 1, h.size))
+        columns = np.empty((3 * n * n + 1, h.size))
         for i, part in enumerate((first, middle, last)):
-            given[i * n * n : (i + 1) * n * n] = part.reshape(h.size, -1).T
-        given[-1] = h.ravel()
-        found = np.ascontiguousarray(_program(n).many(given).T)
-        both = found.reshape(*h.shape[:2], 2, n, n)
+            columns[i * n * n : (i + 1) * n * n] = part.reshape(h.size, -1).T
+        columns[-1] = h.ravel()
+        solved = np.ascontiguousarray(_program(n).many(columns).T)
+        both = solved.reshape(*h.shape[:2], 2, n, n)
         return cls(elements, both[:, :, 1], both[:, :, 0])
 
-    def first(self, count: int) -> Linear:
+    def first(self, count: int) -> LinearEquation:
         """The equation on the first elements alone."""
-        return Linear(self.elements.first(count), self.half[:count], self.step[:count])
+        return LinearEquation(self.elements.first(count), self.half[:count], self.step[:count])
 
     @cached_property
     def _chain(self) -> Floats:
@@ -241,34 +241,34 @@ class Linear:
         push *= self.elements.gaps / 6
         drive = np.concatenate([start.reshape(n, -1), push.reshape(-1, every.shape[-1])])
         chain, _ = dtbtrs(self._chain, drive, uplo="L", diag="U")
-        found = np.empty(every.shape)
-        found[:, 1:] = chain[n:].reshape(push.shape)
-        found[0, 0], found[1:, 0] = chain[:n], found[:-1, -1]
-        return found.reshape(defect.shape)
+        solution = np.empty(every.shape)
+        solution[:, 1:] = chain[n:].reshape(push.shape)
+        solution[0, 0], solution[1:, 0] = chain[:n], solution[:-1, -1]
+        return solution.reshape(defect.shape)
 
 
-def _steps(first: Any, middle: Any, last: Any, h: Any, one: Any) -> tuple[Any, Any]:
+def _steps(first: Any, middle: Any, last: Any, h: Any, identity: Any) -> tuple[Any, Any]:
     """Matrices over a step h and its second half, from the slopes at three points of it."""
     turn = h / 6 * (first + 4 * middle + last) - h**2 / 12 * (first @ last - last @ first)
     half = h / 4 * (middle + last)
     square = half @ half
-    return _exponential(turn, one), one + half + square / 2 + half @ square / 6
+    return _exponential(turn, identity), identity + half + square / 2 + half @ square / 6
 
 
-def _exponential(matrices: Any, one: Any) -> Any:
+def _exponential(matrices: Any, identity: Any) -> Any:
     """The exponential of small matrices, shape (…, n, n), to eighth order."""
     second = matrices @ matrices
     third, fourth = matrices @ second, second @ second
-    later = one / 24 + matrices / 120 + second / 720 + third / 5040 + fourth / 40320
-    return one + matrices + second / 2 + third / 6 + fourth @ later
+    later = identity / 24 + matrices / 120 + second / 720 + third / 5040 + fourth / 40320
+    return identity + matrices + second / 2 + third / 6 + fourth @ later
 
 
 @lru_cache(maxsize=MOST_COMPILED)
 def _program(n: int) -> Program:
     """`_steps` of matrices by rows, which are the columns of its transposes."""
     (a, b, c), h = (ca.SX.sym("A", n, n) for _ in range(3)), ca.SX.sym("h")
-    found = _steps(a.T, b.T, c.T, h, ca.SX.eye(n))
-    return Program(ca.Function("steps", [a, b, c, h], [ca.densify(v.T) for v in found]))
+    matrices = _steps(a.T, b.T, c.T, h, ca.SX.eye(n))
+    return Program(ca.Function("steps", [a, b, c, h], [ca.densify(v.T) for v in matrices]))
 
 
 def carried(elements: Elements, matrices: Floats, defect: Floats, start: Floats) -> Floats:
@@ -284,18 +284,18 @@ def carried(elements: Elements, matrices: Floats, defect: Floats, start: Floats)
     >>> float(carried(some, matrices, defect, np.zeros(1))[-1, -1, 0].round(9))
     1.0
     """
-    found = np.empty(defect.shape)
-    many = found.reshape(*defect.shape[:3], -1)
+    solution = np.empty(defect.shape)
+    many = solution.reshape(*defect.shape[:3], -1)
     drive, at = defect.reshape(many.shape), start.reshape(defect.shape[2], -1)
-    for first in range(0, len(found), TOGETHER):
+    for first in range(0, len(solution), TOGETHER):
         part = slice(first, first + TOGETHER)
         solved = _collocated(elements, elements.lengths[part], matrices[part], drive[part])
         n = len(at)
-        for one, out in zip(solved, many[part], strict=True):
+        for maps, out in zip(solved, many[part], strict=True):
             out[0] = at
-            out[1:] = one[..., :n] @ at + one[..., n:]
+            out[1:] = maps[..., :n] @ at + maps[..., n:]
             at = out[-1]
-    return found
+    return solution
 
 
 def _collocated(elements: Elements, lengths: Floats, matrices: Floats, defect: Floats) -> Floats:

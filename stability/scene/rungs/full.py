@@ -11,7 +11,7 @@ from ...base.types import Floats
 from ...motion.error_estimate import ROUNDING, signs
 from ...motion.result import Outcome, Result, Settings
 from ...motion.run import results
-from .track import Finish, Problem, Track, decade, relative
+from .track import Finish, LaunchProblem, Track, decade, relative
 
 FIRST, STIFF, SHARPER, FINEST = 1e-4, 1e-2, 1e-3, 1e-15
 """Tolerance of the integrator over that of the scene, for an explicit method, whose cost hardly
@@ -35,7 +35,7 @@ LASTING = (Outcome.MOVING, Outcome.SETTLED)
 
 
 def full(
-    problem: Problem,
+    problem: LaunchProblem,
     begin: float = 0.0,
     start: Floats | None = None,
     carried: Floats | None = None,
@@ -69,18 +69,18 @@ def full(
 
 def _parted(track: Track, carried: Floats | None) -> bool:
     """Whether only the neighbours have parted: these are looser, and finer ones may stay close."""
-    known = carried is None or bool(np.isfinite(carried).all())
-    return known and track.finish is None and bool(np.isinf(track.errors[-1]))
+    bounded = carried is None or bool(np.isfinite(carried).all())
+    return bounded and track.finish is None and bool(np.isinf(track.errors[-1]))
 
 
-def truth_of(problem: Problem) -> tuple[Problem, Track]:
+def truth_of(problem: LaunchProblem) -> tuple[LaunchProblem, Track]:
     """The full model at a much finer tolerance: the problem with it, and its track."""
     tolerance = max(TRUEST, min(TRUTH * problem.tolerance, COARSE_TRUTH))
     fine = replace(problem, tolerance=tolerance)
     return fine, full(fine)
 
 
-def kept_until(problem: Problem, track: Track) -> float:
+def kept_until(problem: LaunchProblem, track: Track) -> float:
     """The time up to which an answer that misses the tolerance at its end holds.
 
     Up to there two fine runs of the full model, and runs from starts that differ from the given one
@@ -106,7 +106,7 @@ def kept_until(problem: Problem, track: Track) -> float:
     return float(times[max(int(np.argmax(bad)) - 1, 0) if bad.any() else -1])
 
 
-def _settings(problem: Problem, tolerance: float, *, check: bool) -> Settings:
+def _settings(problem: LaunchProblem, tolerance: float, *, check: bool) -> Settings:
     return Settings(
         "auto",
         tolerance,
@@ -121,7 +121,7 @@ def _settings(problem: Problem, tolerance: float, *, check: bool) -> Settings:
 
 
 def _results(
-    problem: Problem, states: Floats, times: Floats, tolerance: float, *, check: bool
+    problem: LaunchProblem, states: Floats, times: Floats, tolerance: float, *, check: bool
 ) -> list[Result]:
     """Runs of the full model from some states, at times after theirs."""
     clock = float(problem.launches.size(Kind.TIME))
@@ -137,15 +137,15 @@ def _results(
 
 
 def _run(
-    problem: Problem,
+    problem: LaunchProblem,
     begin: float,
     start: Floats,
     times: Floats,
     tolerance: float,
     carried: Floats | None,
 ) -> Track:
-    [one] = _results(problem, start[None], times, tolerance, check=True)
-    track = _track(problem, begin, times, one, tolerance)
+    [result] = _results(problem, start[None], times, tolerance, check=True)
+    track = _track(problem, begin, times, result, tolerance)
     if len(times) > 2 and np.isfinite(track.errors[-1]):
         track = _along(problem, track, start, times, tolerance)
     if carried is None or not np.abs(carried).any():
@@ -155,11 +155,11 @@ def _run(
     for side in (1.0, -1.0):
         off = (start + side * carried)[None]
         [other] = _results(problem, off, times, tolerance, check=False)
-        track = _displaced(problem, track, begin, int(times[0] != 0), one, other)
+        track = _displaced(problem, track, begin, int(times[0] != 0), result, other)
     return track
 
 
-def _gaps(problem: Problem, track: Track, other: Result, skip: int) -> Floats:
+def _gaps(problem: LaunchProblem, track: Track, other: Result, skip: int) -> Floats:
     """Relative distances of another run from the samples of a track, as far as both go."""
     away = problem.flow.reported(other.path.states)[skip:]
     both = min(len(away), len(track.states))
@@ -167,17 +167,17 @@ def _gaps(problem: Problem, track: Track, other: Result, skip: int) -> Floats:
 
 
 def _displaced(
-    problem: Problem, track: Track, begin: float, skip: int, one: Result, other: Result
+    problem: LaunchProblem, track: Track, begin: float, skip: int, result: Result, other: Result
 ) -> Track:
     """The track with the error that a displaced run shows."""
     more = _gaps(problem, track, other, skip)
     beyond = np.full(len(track.states) - len(more), more.max(initial=0.0))
     more, finish = np.append(more, beyond), track.finish
-    alike = (other.outcome in LASTING) == (one.outcome in LASTING)
+    alike = (other.outcome in LASTING) == (result.outcome in LASTING)
     if finish is None:
         more[-1] = more[-1] if alike else np.inf
         return replace(track, errors=track.errors + more)
-    ends = problem.flow.reported(np.stack([one.final, other.final]))
+    ends = problem.flow.reported(np.stack([result.final, other.final]))
     more[-1] = max(more[-1], relative(ends[1] - ends[0], ends[0]))
     late = abs(other.time + begin - finish.time)
     same = other.outcome.word == finish.kind
@@ -185,7 +185,9 @@ def _displaced(
     return replace(track, errors=track.errors + more, finish=finish)
 
 
-def _along(problem: Problem, track: Track, start: Floats, times: Floats, tolerance: float) -> Track:
+def _along(
+    problem: LaunchProblem, track: Track, start: Floats, times: Floats, tolerance: float
+) -> Track:
     """The track with its error on the way, which may be larger than at the end."""
     fine = decade(tolerance * ALONG, FINEST)
     if fine >= tolerance:
@@ -197,41 +199,43 @@ def _along(problem: Problem, track: Track, start: Floats, times: Floats, toleran
     return replace(track, errors=errors)
 
 
-def _track(problem: Problem, begin: float, times: Floats, one: Result, tolerance: float) -> Track:
+def _track(
+    problem: LaunchProblem, begin: float, times: Floats, result: Result, tolerance: float
+) -> Track:
     """The samples of a result, and its end as the last of them."""
-    reported = problem.flow.reported(one.path.states)[int(times[0] != 0) :]
+    reported = problem.flow.reported(result.path.states)[int(times[0] != 0) :]
     when = times[: len(reported)] + begin
-    size = np.inf if one.doubt is None else one.doubt.final_error
+    size = np.inf if result.doubt is None else result.doubt.final_error
     finish = None
-    if one.outcome not in LASTING:
-        late = 0.0 if one.doubt is None else one.doubt.time_error
-        finish = Finish(one.outcome.word, one.time + begin, late, one.evidence)
-        if one.path.end is not None and (not len(when) or when[-1] < finish.time):
+    if result.outcome not in LASTING:
+        late = 0.0 if result.doubt is None else result.doubt.time_error
+        finish = Finish(result.outcome.word, result.time + begin, late, result.evidence)
+        if result.path.end is not None and (not len(when) or when[-1] < finish.time):
             when = np.append(when, finish.time)
-            reported = np.vstack([reported, problem.flow.reported(one.final)[None]])
-    known, passed = when, reported
+            reported = np.vstack([reported, problem.flow.reported(result.final)[None]])
+    knots, passed = when, reported
     if times[0] != 0:  # states before the first sample follow from the start
-        known = np.append(begin, when)
-        passed = np.vstack([problem.flow.reported(one.path.states)[:1], reported])
+        knots = np.append(begin, when)
+        passed = np.vstack([problem.flow.reported(result.path.states)[:1], reported])
     errors = np.full(len(when), size)
     errors[when == 0.0] = 0.0
 
     def at(asked: Floats) -> Floats:
-        return between(problem, known, passed, asked, tolerance)
+        return between(problem, knots, passed, asked, tolerance)
 
-    notes = (one.choice.reason,) if one.choice.reason else ()
-    methods = (one.choice.method,)
-    return Track(when, reported, errors, at, finish, one.path.steps, notes, methods=methods)
+    notes = (result.choice.reason,) if result.choice.reason else ()
+    methods = (result.choice.method,)
+    return Track(when, reported, errors, at, finish, result.path.steps, notes, methods=methods)
 
 
 def between(
-    problem: Problem, when: Floats, states: Floats, asked: Floats, tolerance: float
+    problem: LaunchProblem, when: Floats, states: Floats, asked: Floats, tolerance: float
 ) -> Floats:
     """States of the full model at times `asked`: short runs from the samples before them."""
     when_there = np.isin(asked, when)
     if when_there.all():
         return states[np.searchsorted(when, asked)]
-    found = np.empty((len(asked), states.shape[1]))
+    filled = np.empty((len(asked), states.shape[1]))
     before = np.clip(np.searchsorted(when, asked, side="right") - 1, 0, len(when) - 1)
     for i in np.unique(before):
         mine = np.flatnonzero(before == i)
@@ -245,5 +249,5 @@ def between(
             fill = np.tile(problem.flow.reported(run.final), (int(ahead.sum()), 1))
             fill[: len(path)] = path[: len(fill)]
             rows[ahead] = fill
-        found[mine] = rows[places]
-    return found
+        filled[mine] = rows[places]
+    return filled

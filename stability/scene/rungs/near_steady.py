@@ -21,7 +21,7 @@ from ...algebra.program import Program, entries
 from ...base.types import Floats
 from ...systems.equations import Equations
 from ...systems.system import System
-from .track import Problem, Refused, Track, relative
+from .track import LaunchProblem, Refused, Track, relative
 
 STEADY, LINEARISED, SECOND = CLOSED_FORMS = "steady", "linearised", "second-order"
 FAR = 0.3
@@ -71,21 +71,21 @@ def rates_of(system: Equations) -> Program:
     return Program(ca.Function("rates", [system.x, system.p], [ca.densify(system.rhs)]))
 
 
-def rates_at(problem: Problem, states: Floats) -> Floats:
+def rates_at(problem: LaunchProblem, states: Floats) -> Floats:
     """Rates of a problem's equations at states, shape (…, n), without a check of conditions."""
-    given = [entries(states), list(problem.p)]
-    found: Floats = rates_of(problem.flow.system).arrays(given, states.shape[:-1])[0][..., 0]
-    return found
+    arguments = [entries(states), list(problem.p)]
+    rates: Floats = rates_of(problem.flow.system).arrays(arguments, states.shape[:-1])[0][..., 0]
+    return rates
 
 
-def slope_at(problem: Problem, state: Floats) -> Floats:
+def slope_at(problem: LaunchProblem, state: Floats) -> Floats:
     """J of a problem's equations at a state, shape (n, n), without a check of conditions."""
-    found: Floats = _slope(problem.flow.system).arrays([list(state), list(problem.p)], ())[0]
-    return found
+    slope: Floats = _slope(problem.flow.system).arrays([list(state), list(problem.p)], ())[0]
+    return slope
 
 
 @dataclass(frozen=True, eq=False)
-class Modes:
+class ModalMotion:
     """The deviation from a steady motion in the modes of its Jacobian, to second order."""
 
     system: System
@@ -117,30 +117,30 @@ class Modes:
 
     def second(self, times: Floats) -> Any:
         """The deviation of second order in the modes, shape (t, n)."""
-        one, other = _pairs(len(self.values))
-        rates, drive, t = self.values[one] + self.values[other], self.pairs, times[:, None]
+        first, second = _pairs(len(self.values))
+        rates, drive, t = self.values[first] + self.values[second], self.pairs, times[:, None]
         fast, slow = np.exp(t * rates), np.exp(t * self.values)
         apart = rates[None] - self.values[:, None]  # (n, pairs)
         near = np.abs(apart) * max(float(times.max(initial=0.0)), 1e-300) < 1e-4
         over = drive / np.where(near, 1.0, apart)
         over = np.where(near, 0.0, over)
-        found = fast @ over.T - slow * over.sum(axis=1)
+        deviation = fast @ over.T - slow * over.sum(axis=1)
         if near.any():  # resonance: the limit, to second order in the difference
             rows, columns = np.nonzero(near)
             z = t * apart[rows, columns]
             limit = t * slow[:, rows] * (1 + z / 2) * drive[rows, columns]
             for i, row in enumerate(rows.tolist()):
-                found[:, row] += limit[:, i]
-        return found
+                deviation[:, row] += limit[:, i]
+        return deviation
 
     def states(self, modal: Any) -> Floats:
         """Deviations from their modes, shape (t, n)."""
         return np.ascontiguousarray((modal @ self.vectors.T).real)
 
-    def only(self, some: Any) -> Modes:
+    def only(self, some: Any) -> ModalMotion:
         """The motion in those modes for which `some` is 1, as if the start had no others."""
-        one, other = _pairs(len(self.values))
-        return replace(self, first=self.first * some, pairs=self.pairs * some[one] * some[other])
+        first, second = _pairs(len(self.values))
+        return replace(self, first=self.first * some, pairs=self.pairs * some[first] * some[second])
 
     def third(self, times: Floats) -> tuple[Floats, Floats]:
         """Sampled size of the third order at some of the times, the last among them.
@@ -151,13 +151,13 @@ class Modes:
         width = np.diff(edges)
         share = (np.arange(1, len(width) + 1) * (5**0.5 - 1) / 2) % 1.0
         inside = edges[:-1] + width * (0.1 + 0.8 * share)
-        one = self.states(self.linear(inside))
-        e = one + self.states(self.second(inside))
-        given = [list((self.member + e).T), list(self.p)]
-        rates = rates_of(self.system).arrays(given, inside.shape)
-        bent = np.tensordot(one, self.bend, axes=(1, 2))
-        known = e @ self.jacobian.T + (bent @ one[:, :, None])[..., 0] / 2
-        drive = (rates[0][..., 0] - known) @ self.back.T
+        linear = self.states(self.linear(inside))
+        e = linear + self.states(self.second(inside))
+        arguments = [list((self.member + e).T), list(self.p)]
+        rates = rates_of(self.system).arrays(arguments, inside.shape)
+        bent = np.tensordot(linear, self.bend, axes=(1, 2))
+        modelled = e @ self.jacobian.T + (bent @ linear[:, :, None])[..., 0] / 2
+        drive = (rates[0][..., 0] - modelled) @ self.back.T
         ends = times[:: len(times) // ENDS][-ENDS:] if len(times) > ENDS else times
         later = ends[:, None] - inside
         past = later >= 0
@@ -165,9 +165,9 @@ class Modes:
         rate = np.where(self.values == 0, 1.0, self.values)
         slow = np.where(swift, 0.0, width[:, None] * drive)
         carried = np.exp(np.maximum(later, 0.0)[..., None] * self.values) * past[..., None]
-        found = np.einsum("eim,im->em", carried, slow)
+        sizes = np.einsum("eim,im->em", carried, slow)
         quick = np.abs(np.where(swift, drive / rate, 0.0)).max(axis=0)
-        size = np.abs(self.states(found)) + quick @ np.abs(self.vectors).T
+        size = np.abs(self.states(sizes)) + quick @ np.abs(self.vectors).T
         return ends, SAFETY * relative(size, self.member)
 
 
@@ -183,7 +183,7 @@ def modes_of(matrix: Floats) -> tuple[Any, Any, Any]:
     return values, vectors, None
 
 
-def _vain(problem: Problem, size: float, price: float, length: float) -> bool:
+def _vain(problem: LaunchProblem, size: float, price: float, length: float) -> bool:
     """Whether the full model may be done before the closed forms have turned out too coarse.
 
     The third order of a deviation of a size has grown for a length of time.
@@ -193,14 +193,19 @@ def _vain(problem: Problem, size: float, price: float, length: float) -> bool:
     return price < DOUBTFUL and third > limit and size > tolerance
 
 
-def _hopeless(problem: Problem, size: float) -> bool:
+def _hopeless(problem: LaunchProblem, size: float) -> bool:
     """Whether the third power of a deviation is far above the tolerance."""
     return size > problem.tolerance < size**3
 
 
 def modes(
-    problem: Problem, member: Floats, family: str, *, always: bool = True, price: float = np.inf
-) -> Modes | Refused:
+    problem: LaunchProblem,
+    member: Floats,
+    family: str,
+    *,
+    always: bool = True,
+    price: float = np.inf,
+) -> ModalMotion | Refused:
     """The modes of a member, and the start in them.
 
     `always` asks for them even where no closed form can be fine enough; `price` is the expected
@@ -234,11 +239,13 @@ def modes(
     pairs = (back @ (moved.T @ (bend @ moved)).reshape(n, n * n)).reshape(n, n, n)
     i, j = _pairs(n)
     pairs = pairs[:, i, j] * np.where(i == j, 0.5, 1.0)
-    return Modes(system, problem.p, at, family, values, vectors, back, matrix, first, pairs, bend)
+    return ModalMotion(
+        system, problem.p, at, family, values, vectors, back, matrix, first, pairs, bend
+    )
 
 
 def near_steady(
-    problem: Problem, *, always: bool = False, price: float = np.inf
+    problem: LaunchProblem, *, always: bool = False, price: float = np.inf
 ) -> dict[str, Track] | Refused:
     """The three rungs near the nearest steady motion, cheapest first, or why there is none.
 
@@ -263,20 +270,22 @@ def near_steady(
         return Refused(f"the start is {size:.2g} from {near.family}, and {cube}", where)
     if not always and _vain(problem, size, price, problem.last):
         return Refused(VAIN, where)
-    found = modes(problem, near.member, near.family, always=always, price=price)
-    if isinstance(found, Refused):
-        return Refused(found.why, where | found.indicators)
-    growth = float(found.values.real.max(initial=0.0)) * problem.last
-    return _three(problem, found, where | {"growth exponent to the horizon": growth})
+    motion = modes(problem, near.member, near.family, always=always, price=price)
+    if isinstance(motion, Refused):
+        return Refused(motion.why, where | motion.indicators)
+    growth = float(motion.values.real.max(initial=0.0)) * problem.last
+    return _three(problem, motion, where | {"growth exponent to the horizon": growth})
 
 
-def _three(problem: Problem, found: Modes, where: dict[str, float]) -> dict[str, Track] | Refused:
+def _three(
+    problem: LaunchProblem, motion: ModalMotion, where: dict[str, float]
+) -> dict[str, Track] | Refused:
     """The tracks of a motion near a member."""
     times, n = problem.times, problem.own
-    looks, sizes = found.third(problem.last * (np.arange(1, SAMPLES + 1) / SAMPLES) ** 2)
+    looks, sizes = motion.third(problem.last * (np.arange(1, SAMPLES + 1) / SAMPLES) ** 2)
     every = np.concatenate([looks, times])
     member = np.zeros(len(problem.start))
-    member[:n] = found.member
+    member[:n] = motion.member
 
     def lifted(deviations: Floats) -> Floats:
         states = np.tile(member, (len(deviations), 1))
@@ -284,36 +293,36 @@ def _three(problem: Problem, found: Modes, where: dict[str, float]) -> dict[str,
         return states
 
     for when in (looks, every) if len(times) > len(looks) else (every,):  # few say no at once
-        one, two = found.states(found.linear(when)), found.states(found.second(when))
-        small, middle = relative(one, found.member), relative(two, found.member)
+        first, second = motion.states(motion.linear(when)), motion.states(motion.second(when))
+        small, middle = relative(first, motion.member), relative(second, motion.member)
         where |= {
             "size of the second order": float(middle.max()),
             "size of the third order": float(sizes.max()),
         }
-        if not problem.stands(lifted((one + two)[: len(looks)])):
+        if not problem.stands(lifted((first + second)[: len(looks)])):
             return Refused("a guard of the full model fails on the way", where)
         if not middle.max() + sizes.max() <= max(TRUSTED * small.max(), 1e-14):
-            return Refused(f"the orders of the deviation from {found.family} do not fall", where)
+            return Refused(f"the orders of the deviation from {motion.family} do not fall", where)
     here = slice(len(looks), None)
     third = np.interp(times, np.append(0.0, looks), np.append(0.0, np.maximum.accumulate(sizes)))
-    third += 1e-15 * (1 + np.abs(found.values).max() * times)
+    third += 1e-15 * (1 + np.abs(motion.values).max() * times)
 
-    def track(name: str, modal: Any, own: Floats, errors: Floats) -> Track:
+    def track(name: str, modal: Any, deviations: Floats, errors: Floats) -> Track:
         def at(when: Floats) -> Floats:
-            return lifted(found.states(modal(when)))
+            return lifted(motion.states(modal(when)))
 
-        notes = (f"{name} at {found.family}",)
-        return Track(times, lifted(own), errors, at, notes=notes, indicators=where)
+        notes = (f"{name} at {motion.family}",)
+        return Track(times, lifted(deviations), errors, at, notes=notes, indicators=where)
 
     def still(when: Floats) -> Any:
         return np.zeros((len(when), n))
 
     def both(when: Floats) -> Any:
-        return found.linear(when) + found.second(when)
+        return motion.linear(when) + motion.second(when)
 
-    whole = (one + two)[here]
+    whole = (first + second)[here]
     return {
-        STEADY: track("at rest", still, 0 * one[here], relative(whole, member[:n]) + third),
-        LINEARISED: track("linear motion", found.linear, one[here], middle[here] + third),
+        STEADY: track("at rest", still, 0 * first[here], relative(whole, member[:n]) + third),
+        LINEARISED: track("linear motion", motion.linear, first[here], middle[here] + third),
         SECOND: track("linear motion and its second order", both, whole, third),
     }

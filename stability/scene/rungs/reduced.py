@@ -18,7 +18,7 @@ from ...integrators.leg import Leg
 from ...integrators.selection import dense
 from ...systems.system import System
 from .elements import Elements, carried
-from .track import Problem, Refused, Track, relative
+from .track import LaunchProblem, Refused, Track, relative
 
 POINTS, STEPS = 14, 5
 """Points of an element, and steps of the integrator in it."""
@@ -88,14 +88,14 @@ class ReducedModel(Record):
         return flow_of(system_model(self.system))
 
 
-def reduced(problem: Problem, model: ReducedModel) -> Track | Refused:
+def reduced(problem: LaunchProblem, model: ReducedModel) -> Track | Refused:
     """The track of a reduced model."""
-    given = model.down(problem.start.copy(), problem.p.copy())  # a map may write into them
-    if not isinstance(given, (tuple, list)) or len(given) != 2:
+    image = model.down(problem.start.copy(), problem.p.copy())  # a map may write into them
+    if not isinstance(image, (tuple, list)) or len(image) != 2:
         raise ParameterError(
-            f"down of {model.name} gives {shown(given)}; give the pair (states, parameters)."
+            f"down of {model.name} gives {shown(image)}; give the pair (states, parameters)."
         )
-    x, p = (real_numbers(f"down of {model.name}", v) for v in given)
+    x, p = (real_numbers(f"down of {model.name}", v) for v in image)
     flow = model.flow
     if x.shape != (len(model.system.states),) or p.shape != (len(model.system.parameters),):
         raise ParameterError(
@@ -109,10 +109,10 @@ def reduced(problem: Problem, model: ReducedModel) -> Track | Refused:
         return Refused(f"{model.name} ends before the horizon")
     edges = np.append(run.steps[:-1:STEPS], run.steps[-1])
     elements = Elements(edges, POINTS)
-    own = len(model.system.states)
+    count = len(model.system.states)
 
     def lifted(states: Floats) -> Floats:
-        full = real_numbers(f"up of {model.name}", model.up(states[..., :own].copy(), p.copy()))
+        full = real_numbers(f"up of {model.name}", model.up(states[..., :count].copy(), p.copy()))
         if full.shape != (*states.shape[:-1], len(problem.start)):
             raise ParameterError(
                 f"up of {model.name} gives shape {full.shape}; give {len(problem.start)} states "
@@ -147,12 +147,12 @@ def reduced(problem: Problem, model: ReducedModel) -> Track | Refused:
         at,
         None,
         len(run.steps),
-        (f"{model.name}, {own} state{'s' * (own > 1)}",),
+        (f"{model.name}, {count} state{'s' * (count > 1)}",),
         {"defect": float(size.max())},
     )
 
 
-def _errors(problem: Problem, elements: Elements, states: Floats) -> tuple[Floats, float]:
+def _errors(problem: LaunchProblem, elements: Elements, states: Floats) -> tuple[Floats, float]:
     """The deviation of the full model from a path, and its largest growth in an element.
 
     The deviation is the defect of the path, carried by the linear equation along it.  Collocation
@@ -165,7 +165,7 @@ def _errors(problem: Problem, elements: Elements, states: Floats) -> tuple[Float
     rates = system.rates(flat, many).reshape(*states.shape[:-1], n)
     slope = system.linearise(flat, many).reshape(*states.shape[:-1], n, n)
     defect = rates - elements.derivative(states[..., :n])
-    found = np.zeros(states.shape)
-    found[..., :n] = carried(elements, slope, defect, problem.start[:n] - states[0, 0, :n])
+    errors = np.zeros(states.shape)
+    errors[..., :n] = carried(elements, slope, defect, problem.start[:n] - states[0, 0, :n])
     growth = np.linalg.eigvals(slope).real.max(axis=(1, 2)) * elements.lengths
-    return found, float(growth.max())
+    return errors, float(growth.max())

@@ -21,10 +21,10 @@ from ...base.types import Floats
 from ...integrators.leg import Leg
 from ...integrators.selection import HEYOKA, dense, explicit
 from ...systems.equations import Equations
-from .elements import Elements, Linear, carried
+from .elements import Elements, LinearEquation, carried
 from .full import between
 from .near_steady import rates_of
-from .track import Finish, Problem, Refused, Track, decade, relative
+from .track import Finish, LaunchProblem, Refused, Track, decade, relative
 
 POINTS, LENGTH = 12, 1.5
 """Points of an element, and its first length in units of the motion's own time."""
@@ -64,7 +64,7 @@ BRIEF, SUBSTEPS, NEWTON_OF_END = 0.5, 8, 4
 and Kutta in it; steps of Newton's method."""
 CURVES = "the answer is not linear within its uncertainty"
 """Why a sensitivity says too little."""
-Pair = tuple[tuple[Problem, Track], tuple[Problem, Track]]
+Pair = tuple[tuple[LaunchProblem, Track], tuple[LaunchProblem, Track]]
 """The two ends of an uncertain input: problem and track of each."""
 
 
@@ -79,8 +79,8 @@ def _slopes(system: Equations) -> Program:
 def _run(program: Program, states: Floats, p: Floats) -> list[Floats]:
     """Values at states, shape (…, n), and parameters that fit."""
     with np.errstate(all="ignore"):
-        found: list[Floats] = program.arrays([entries(states), entries(p)], states.shape[:-1])
-    return found
+        values: list[Floats] = program.arrays([entries(states), entries(p)], states.shape[:-1])
+    return values
 
 
 class Variation:
@@ -101,21 +101,21 @@ class Variation:
         self.elements, self.slope = elements, slope
         fastest = np.abs(slope).sum(axis=3).max(axis=(1, 2)) * elements.lengths
         easy = float(fastest.max()) < EASY
-        self._steps = Linear.along(elements, slope) if easy else None
+        self._steps = LinearEquation.along(elements, slope) if easy else None
 
     def solve(self, drive: Floats, start: Floats) -> Floats:
         """The solutions for drives of shape (E, N, n, c) and starts of shape (n, c)."""
         if self._steps is None:
             return carried(self.elements, self.slope, drive, start)
-        found = self._steps.solve(drive, start)
-        size = np.abs(found).max(axis=(0, 1, 2))
+        solution = self._steps.solve(drive, start)
+        size = np.abs(solution).max(axis=(0, 1, 2))
         none, flat = np.zeros_like(start), (*drive.shape[:2], -1)
         for _ in range(CORRECTIONS):
-            rate = self.elements.derivative(found.reshape(flat)).reshape(drive.shape)
-            more = self._steps.solve(drive + self.slope @ found - rate, none)
-            found = found + more
+            rate = self.elements.derivative(solution.reshape(flat)).reshape(drive.shape)
+            more = self._steps.solve(drive + self.slope @ solution - rate, none)
+            solution = solution + more
             if not (np.abs(more).max(axis=(0, 1, 2)) > EXACT * size).any():
-                return found
+                return solution
         return carried(self.elements, self.slope, drive, start)
 
 
@@ -123,7 +123,7 @@ class Variation:
 class Forward:
     """A path on elements of time, and its sensitivities along given directions."""
 
-    problem: Problem
+    problem: LaunchProblem
     """The problem."""
     elements: Elements
     """Division of time."""
@@ -140,7 +140,9 @@ class Forward:
     first: Floats
     """Sensitivities: the change of the path along each, shape (E, N, n, c)."""
 
-    def displaced(self, others: Sequence[tuple[Problem, Problem]]) -> tuple[Floats, Floats]:
+    def displaced(
+        self, others: Sequence[tuple[LaunchProblem, LaunchProblem]]
+    ) -> tuple[Floats, Floats]:
         """Changes of the path at both ends of each direction, to second order.
 
         Parameters
@@ -177,7 +179,7 @@ class Forward:
 
 
 def forward(
-    problem: Problem,
+    problem: LaunchProblem,
     track: Track,
     starts: Floats,
     parameters: Floats,
@@ -206,25 +208,25 @@ def forward(
             return Refused("the path is not known at all times")
         coarse = elements.tails(states) > limit
         if not coarse.any():
-            found = _solved(problem, elements, states, (starts, parameters), exact=exact)
-            if isinstance(found, Refused):
-                return found
-            coarse = _rough_in(found, max(SMOOTH, limit))
+            sensitivities = _solved(problem, elements, states, (starts, parameters), exact=exact)
+            if isinstance(sensitivities, Refused):
+                return sensitivities
+            coarse = _rough_in(sensitivities, max(SMOOTH, limit))
             if not coarse.any():
-                return found
+                return sensitivities
         elements = elements.halved(coarse)
     return Refused("the path is not smooth enough")
 
 
-def _first_elements(problem: Problem, track: Track, *, exact: bool) -> Elements | None:
+def _first_elements(problem: LaunchProblem, track: Track, *, exact: bool) -> Elements | None:
     """Some steps of an explicit method each, or equal elements, and short ones at a fast start.
 
     None where there are more than `MOST_STEPS` of them.
     """
     last, n = float(track.times[-1]), problem.own
     _, slope, _ = _run(_slopes(problem.flow.system), track.states[:1, :n], problem.p)
-    known = bool(np.isfinite(slope).all())
-    rate = float(np.abs(np.linalg.eigvals(slope[0])).max()) if known else 0.0
+    finite = bool(np.isfinite(slope).all())
+    rate = float(np.abs(np.linalg.eigvals(slope[0])).max()) if finite else 0.0
     if exact and rate < STIFF * problem.pace / LENGTH and explicit(problem.flow) == HEYOKA:
         span, y = np.array([0.0, last]), problem.flow.pack(problem.start)
         run = dense(
@@ -244,7 +246,7 @@ def _first_elements(problem: Problem, track: Track, *, exact: bool) -> Elements 
     return Elements(edges, POINTS)
 
 
-def _path(problem: Problem, track: Track, elements: Elements, *, exact: bool) -> Floats:
+def _path(problem: LaunchProblem, track: Track, elements: Elements, *, exact: bool) -> Floats:
     """The system's own states at the points."""
     times = elements.times.ravel()
     if exact:
@@ -253,12 +255,12 @@ def _path(problem: Problem, track: Track, elements: Elements, *, exact: bool) ->
         states = between(problem, np.zeros(1), start, times, tolerance)
     else:
         states = track.at(times)
-    found: Floats = states[:, : problem.own].reshape(*elements.times.shape, -1)
-    return found
+    nodes: Floats = states[:, : problem.own].reshape(*elements.times.shape, -1)
+    return nodes
 
 
 def _solved(
-    problem: Problem,
+    problem: LaunchProblem,
     elements: Elements,
     states: Floats,
     directions: tuple[Floats, Floats],
@@ -292,18 +294,18 @@ def _solved(
     return Forward(problem, elements, states, slopes, equation, starts, parameters, first)
 
 
-def _rough_in(found: Forward, limit: float) -> NDArray[np.bool_]:
+def _rough_in(sensitivities: Forward, limit: float) -> NDArray[np.bool_]:
     """Which elements do not resolve the sensitivities."""
-    size = np.abs(found.first).max(axis=(0, 1, 2), keepdims=True)
-    share = found.first / np.maximum(size, NOISE)
-    tails = found.elements.tails(share.reshape(*share.shape[:2], -1))
+    size = np.abs(sensitivities.first).max(axis=(0, 1, 2), keepdims=True)
+    share = sensitivities.first / np.maximum(size, NOISE)
+    tails = sensitivities.elements.tails(share.reshape(*share.shape[:2], -1))
     return np.asarray(tails > limit)
 
 
 def nearby(
-    problem: Problem,
+    problem: LaunchProblem,
     track: Track,
-    others: Sequence[tuple[Problem, Problem]],
+    others: Sequence[tuple[LaunchProblem, LaunchProblem]],
     *,
     exact: bool,
     seconds: float = np.inf,
@@ -326,53 +328,53 @@ def nearby(
         give them.
     """
     n = problem.own
-    apart = [(two.start - one.start, two.p - one.p) for one, two in others]
+    apart = [(upper.start - lower.start, upper.p - lower.p) for lower, upper in others]
     starts = np.stack([x[:n] for x, _ in apart], axis=1) / 2
     parameters = np.stack([p for _, p in apart], axis=1) / 2
-    found = forward(problem, track, starts, parameters, exact=exact, seconds=seconds)
-    if isinstance(found, Refused):
-        return found
-    changes, bends = found.displaced(others)
+    sensitivities = forward(problem, track, starts, parameters, exact=exact, seconds=seconds)
+    if isinstance(sensitivities, Refused):
+        return sensitivities
+    changes, bends = sensitivities.displaced(others)
     flow, p = problem.flow, np.array([[other.flow_p for other in pair] for pair in others])
     with np.errstate(all="ignore"):
-        here, _ = flow.margins(flow.pack(found.states), problem.flow_p)
-        there, _ = flow.margins(flow.pack(found.states + changes), p[:, :, None, None])
+        here, _ = flow.margins(flow.pack(sensitivities.states), problem.flow_p)
+        there, _ = flow.margins(flow.pack(sensitivities.states + changes), p[:, :, None, None])
     ends: list[Pair | Refused] = []
-    for pair, *given in zip(others, changes, bends, there, strict=True):
-        one, other = (
-            _end(found, track, end, change, bend, (here, margins))
-            for end, change, bend, margins in zip(pair, *given, strict=True)
+    for pair, *parts in zip(others, changes, bends, there, strict=True):
+        lower, upper = (
+            _end(sensitivities, track, end, change, bend, (here, margins))
+            for end, change, bend, margins in zip(pair, *parts, strict=True)
         )
-        if isinstance(one, Refused) or isinstance(other, Refused):
-            ends.append(one if isinstance(one, Refused) else other)  # type: ignore[arg-type]
+        if isinstance(lower, Refused) or isinstance(upper, Refused):
+            ends.append(lower if isinstance(lower, Refused) else upper)  # type: ignore[arg-type]
         else:
-            ends.append((one, other))
-    return _track(found, track, np.zeros_like(found.states), track.errors), ends
+            ends.append((lower, upper))
+    return _track(sensitivities, track, np.zeros_like(sensitivities.states), track.errors), ends
 
 
 def _end(
-    found: Forward,
+    sensitivities: Forward,
     track: Track,
-    other: Problem,
+    other: LaunchProblem,
     change: Floats,
     bend: Floats,
     margins: tuple[Floats, Floats],
-) -> tuple[Problem, Track] | Refused:
+) -> tuple[LaunchProblem, Track] | Refused:
     """Problem and track at one end of an input."""
-    other = replace(other, times=found.problem.times)
+    other = replace(other, times=sensitivities.problem.times)
     if not np.isfinite(change).all():
         return Refused(CURVES)
-    size, curve = (relative(v, found.states) for v in (change - bend, bend))
-    floor = LOW * size.max() + LOW * found.problem.tolerance
+    size, curve = (relative(v, sensitivities.states) for v in (change - bend, bend))
+    floor = LOW * size.max() + LOW * sensitivities.problem.tolerance
     share = float((curve / (size + floor)).max())
     if not share <= CURVED:
         return Refused(CURVES)
-    rest = share * found.elements.at(track.times, curve[..., None])[:, 0]
+    rest = share * sensitivities.elements.at(track.times, curve[..., None])[:, 0]
     if track.finish is None:
-        if not _stands(margins, found.elements.times >= 0):
+        if not _stands(margins, sensitivities.elements.times >= 0):
             return Refused("a guard is as near as the change")
-        return other, _track(found, track, change, track.errors + rest)
-    return _ended(found, track, other, (change, rest), margins)
+        return other, _track(sensitivities, track, change, track.errors + rest)
+    return _ended(sensitivities, track, other, (change, rest), margins)
 
 
 def _stands(margins: tuple[Floats, Floats], inside: NDArray[np.bool_]) -> bool:
@@ -382,25 +384,25 @@ def _stands(margins: tuple[Floats, Floats], inside: NDArray[np.bool_]) -> bool:
 
 
 def _ended(
-    found: Forward,
+    sensitivities: Forward,
     track: Track,
-    other: Problem,
-    given: tuple[Floats, Floats],
+    other: LaunchProblem,
+    shift: tuple[Floats, Floats],
     margins: tuple[Floats, Floats],
-) -> tuple[Problem, Track] | Refused:
+) -> tuple[LaunchProblem, Track] | Refused:
     """The track at one end of an input, where the motion ends before the horizon.
 
     The time of the guard's zero moves by -(∂g · S δ)/(∂g · f), and by Newton's method beyond that.
     """
     assert track.finish is not None
-    change, rest = given
-    flow, kind = found.problem.flow, track.finish.kind
+    change, rest = shift
+    flow, kind = sensitivities.problem.flow, track.finish.kind
     if kind not in flow.guards:
         return Refused("the motion ends in a way that has no derivative")
     index = list(flow.guards).index(kind)
-    last = flow.pack(found.states[-1, -1])
-    _, rate = (float(v[index]) for v in flow.margins(last, found.problem.flow_p))
-    y = flow.pack((found.states + change)[-1, -1])
+    last = flow.pack(sensitivities.states[-1, -1])
+    _, rate = (float(v[index]) for v in flow.margins(last, sensitivities.problem.flow_p))
+    y = flow.pack((sensitivities.states + change)[-1, -1])
     late, steps = 0.0, []
     for _ in range(NEWTON_OF_END):
         value, slope = (float(v[index]) for v in flow.margins(y, other.flow_p))
@@ -411,12 +413,12 @@ def _ended(
         steps.append(step)
         y, late = _forward_by(other, y, step), late + step
     end = track.finish.time + late
-    if abs(late - steps[0]) > CURVED * abs(late) + 1e-12 or end > found.problem.last:
+    if abs(late - steps[0]) > CURVED * abs(late) + 1e-12 or end > sensitivities.problem.last:
         return Refused("the time of the end is not linear within its uncertainty")
     sure = min(end, track.finish.time - 2 * CLEAR * abs(late))
-    if not _stands(margins, found.elements.times < sure):
+    if not _stands(margins, sensitivities.elements.times < sure):
         return Refused("a guard is as near as the change")
-    moved = _track(found, track, change, track.errors + rest)
+    moved = _track(sensitivities, track, change, track.errors + rest)
     keep = track.times < end
     keep[-1] = False
     times = np.append(track.times[keep], end)
@@ -426,7 +428,7 @@ def _ended(
     return other, replace(moved, times=times, states=states, errors=errors, finish=finish)
 
 
-def _forward_by(problem: Problem, y: Floats, span: float) -> Floats:
+def _forward_by(problem: LaunchProblem, y: Floats, span: float) -> Floats:
     """The state y after a short time, by the classical method of Runge and Kutta."""
     rates, h = partial(problem.flow.quick.rates, problem.flow_p), span / SUBSTEPS
     for _ in range(SUBSTEPS):
@@ -437,13 +439,13 @@ def _forward_by(problem: Problem, y: Floats, span: float) -> Floats:
     return y
 
 
-def _track(found: Forward, track: Track, change: Floats, errors: Floats) -> Track:
+def _track(sensitivities: Forward, track: Track, change: Floats, errors: Floats) -> Track:
     """The track with a change, at the samples of the track."""
-    states, width = found.states + change, track.states.shape[1]
+    states, width = sensitivities.states + change, track.states.shape[1]
 
     def at(times: Floats) -> Floats:
         every = np.zeros((len(times), width))
-        every[:, : states.shape[-1]] = found.elements.at(times, states)
+        every[:, : states.shape[-1]] = sensitivities.elements.at(times, states)
         return every
 
     return replace(track, states=at(track.times), errors=errors, at=at)

@@ -24,7 +24,7 @@ MOST_SAMPLES = 200_000
 
 
 @dataclass(frozen=True, eq=False)
-class Problem:
+class LaunchProblem:
     """One launch of one law or system, dimensionless, with the error that is allowed."""
 
     launches: Starts
@@ -48,8 +48,8 @@ class Problem:
     @cached_property
     def p(self) -> Floats:
         """Parameters of the system, shape (m,)."""
-        found: Floats = self.launches.p[0]
-        return found
+        numbers: Floats = self.launches.p[0]
+        return numbers
 
     @cached_property
     def flow_p(self) -> Floats:
@@ -60,8 +60,8 @@ class Problem:
     @cached_property
     def start(self) -> Floats:
         """The states at time 0, shape (s,)."""
-        found: Floats = self.launches.starts[0]
-        return found
+        states: Floats = self.launches.starts[0]
+        return states
 
     @cached_property
     def own(self) -> int:
@@ -197,5 +197,5 @@ def relative(errors: Floats, states: Floats) -> Floats:
     >>> float(relative(np.array([0.1, 2.0]), np.array([0.0, 40.0])))
     0.1
     """
-    found: Floats = (np.abs(errors) / np.maximum(1.0, np.abs(states))).max(axis=-1)
-    return found
+    share: Floats = (np.abs(errors) / np.maximum(1.0, np.abs(states))).max(axis=-1)
+    return share

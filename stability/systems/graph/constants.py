@@ -89,8 +89,8 @@ class Constants:
                     x = ca.SX.sym("folded") if np.isnan(float(x)) else self._kept(float(x))
                 if strict and name == "sqrt" and isinstance(x, ca.SX) and x.is_constant():
                     x = x if float(x) in (0, 1) else self._kept(float(x))
-                found = plain.functions[name](x)
-                return self(float(found)) if strict and ca.SX(found).is_constant() else found
+                value = plain.functions[name](x)
+                return self(float(value)) if strict and ca.SX(value).is_constant() else value
 
             return apply
 
@@ -139,10 +139,10 @@ def rounded(name: str, x: Any) -> bool:
     CasADi rounds functions of numbers as soon as it builds an expression, and gives |x| a slope and
     x a sign at 0.  `atan2` has two arguments, and is read again in any case.
     """
-    known = isinstance(x, ca.SX) and x.is_constant()
+    constant = isinstance(x, ca.SX) and x.is_constant()
     if name in ("pow", "fabs", "sign", "atan2"):
-        return bool(known or name != "pow")
-    return bool(known and float(x) != (RATIONAL_AT | RATIONAL_TOO).get(name, (float(x), 0))[0])
+        return bool(constant or name != "pow")
+    return bool(constant and float(x) != (RATIONAL_AT | RATIONAL_TOO).get(name, (float(x), 0))[0])
 
 
 def exact_numbers(*outputs: ca.SX) -> bool:

@@ -192,8 +192,8 @@ def rates_and_slopes(
     ([SX(0), SX(0)], [{1: 1}, {0: SX((-p))}])
     """
     sloped = [Sloped(value, {j: 1}) for j, value in enumerate(states)]
-    found = program.run(sloped_algebra(algebra), [sloped, parameters])[0]
-    values, slopes = zip(*map(_split, found), strict=True) if found else ((), ())
+    rates = program.run(sloped_algebra(algebra), [sloped, parameters])[0]
+    values, slopes = zip(*map(_split, rates), strict=True) if rates else ((), ())
     return list(values), list(slopes)
 
 
@@ -235,8 +235,8 @@ def solvable(system: Equations) -> bool:
         z = np.linalg.solve(mass, forcing)[:, 0]
     except np.linalg.LinAlgError:
         return False
-    own = [(z[j], rates[i, 0]) for i, j in solved_rates(system).items()]
-    return bool(own) and all(abs(v - r) <= AGREES * (1 + np.abs(z).max()) for v, r in own)
+    pairs = [(z[j], rates[i, 0]) for i, j in solved_rates(system).items()]
+    return bool(pairs) and all(abs(v - r) <= AGREES * (1 + np.abs(z).max()) for v, r in pairs)
 
 
 def solved_rates(system: Equations) -> dict[int, int]:
@@ -257,7 +257,7 @@ class Asked:
     """The other program, of one output."""
 
 
-class Implicit:
+class MassGraphs:
     """M, F and the slopes of F - M z at a family, as graphs.
 
     Parameters
@@ -286,13 +286,13 @@ class Implicit:
         self.solved = solved_rates(system)
         self.own = [i for i in range(len(system.states)) if i not in self.solved]
         size, states = system.mass.size1(), len(system.states)
-        given = [[values[n] for n in names] for names in (system.states, system.parameters)]
+        arguments = [[values[n] for n in names] for names in (system.states, system.parameters)]
         bare = Program(
             ca.Function(
                 "sides", [system.x, system.p], [ca.densify(system.mass), ca.densify(system.forcing)]
             )
         )
-        mass, forcing = bare.run(algebra, given)
+        mass, forcing = bare.run(algebra, arguments)
         self.mass = ca.sparsify(ca.reshape(ca.vertcat(*map(ca.SX, mass)), size, size))
         self.forcing = ca.vertcat(*map(ca.SX, forcing))
         z = ca.SX.sym("z", size)
@@ -303,8 +303,8 @@ class Implicit:
             ca.Function("core", [ca.vertcat(system.x, system.p), z], [ca.densify(column)])
         )
         inner = [ca.SX(0)] * size if self.rest else ca.vertsplit(z)
-        found, slopes = rates_and_slopes(core, algebra, [v for g in given for v in g], inner)
-        self.free = ca.vertcat(*map(ca.SX, found[: len(self.own)])) if self.own else ca.SX(0, 1)
+        free, slopes = rates_and_slopes(core, algebra, [v for g in arguments for v in g], inner)
+        self.free = ca.vertcat(*map(ca.SX, free[: len(self.own)])) if self.own else ca.SX(0, 1)
         self.table = _table(slopes, states + len(system.parameters))
         self._z, self._program = z, program
         self._pattern = self._patterns(states, hidden)
@@ -315,7 +315,7 @@ class Implicit:
         from scipy.sparse.csgraph import connected_components
 
         mass = np.array(ca.DM(self.mass.sparsity(), 1)) != 0
-        size, own = len(mass), len(self.own)
+        size, count = len(mass), len(self.own)
         _, labels = connected_components(bmat([[None, mass], [mass.T, None]]), directed=False)
         joined = labels[size:, None] == labels[None, :size]  # which equations move an unknown
         moved = np.array(ca.DM(self.table.sparsity(), 1)) != 0
@@ -326,7 +326,7 @@ class Implicit:
             rates[i], slopes[i] = not self.free[k].is_zero(), moved[k]
         for i, j in self.solved.items():
             rates[i] = (joined[j] & pushed).any()
-            slopes[i] = (joined[j][:, None] & moved[own:]).any(axis=0)
+            slopes[i] = (joined[j][:, None] & moved[count:]).any(axis=0)
         for i, j in hidden:
             slopes[i, j] = False
         return rates, slopes
@@ -358,9 +358,9 @@ class Implicit:
         sides = [self.mass, self.forcing, self.free]
         if values:
             sides = ca.substitute(sides, [column], [ca.DM(values)])
-        known = ca.Function("sides", list(inputs), sides)
+        parts = ca.Function("sides", list(inputs), sides)
         symbols = [ca.MX.sym("unknowns", inputs[0].numel()), ca.MX.sym("given", inputs[1].numel())]
-        mass, forcing, free = known(*symbols)
+        mass, forcing, free = parts(*symbols)
         z = ca.solve(mass, forcing)
         places = {i: free[k] for k, i in enumerate(self.own)}
         places |= {i: z[j] for i, j in self.solved.items()}
@@ -420,7 +420,7 @@ class _Solved(Program):
     tape = None
     """None: it solves linear systems, for which no kernel runs."""
 
-    def __init__(self, form: Implicit, outputs: Sequence[Asked]) -> None:
+    def __init__(self, form: MassGraphs, outputs: Sequence[Asked]) -> None:
         self._form, self._outputs, self.name = form, outputs, "implicit"
         self.places = tuple(map(form.places, outputs))
         self.shapes = tuple(map(form.shape, outputs))
@@ -428,16 +428,16 @@ class _Solved(Program):
 
     def run(self, algebra: Algebra, arguments: Sequence[Sequence[Any]]) -> list[list[Any]]:
         """As `Program.run`."""
-        sloped = any(one.columns is not None for one in self._outputs)
+        sloped = any(output.columns is not None for output in self._outputs)
         rates, slopes = self._form.run(algebra, arguments, slopes=sloped)
         out = []
-        for one, places in zip(self._outputs, self.places, strict=True):
-            if one.other is not None:
-                out.append(one.other.run(algebra, arguments)[0])
-            elif one.columns is None:
-                out.append([rates[i] for i in one.rows])
+        for output, places in zip(self._outputs, self.places, strict=True):
+            if output.other is not None:
+                out.append(output.other.run(algebra, arguments)[0])
+            elif output.columns is None:
+                out.append([rates[i] for i in output.rows])
             else:
-                out.append([slopes[one.rows[i], one.columns[j]] for i, j in places])
+                out.append([slopes[output.rows[i], output.columns[j]] for i, j in places])
         return out
 
 
@@ -488,12 +488,12 @@ class FamilyGraph:
         self._inputs = [ca.vertcat(*s) if s else ca.SX(0, 1) for s in (a, u, q)]
         self._size = len(u)
         self._constants = Constants(decimals=frame.decimals)
-        known: dict[str, Any] = dict(zip([*frame.at, *others], [*a, *q], strict=True))
-        known |= {
+        fixed: dict[str, Any] = dict(zip([*frame.at, *others], [*a, *q], strict=True))
+        fixed |= {
             n: v if isinstance(v, Upright) else self._constants(v) for n, v in frame.held.items()
         }
-        guessed = known | {n: self._constants(v) for n, v in frame.unknown.items()}
-        table = known | dict(zip(frame.unknown, u, strict=True))
+        guessed = fixed | {n: self._constants(v) for n, v in frame.unknown.items()}
+        table = fixed | dict(zip(frame.unknown, u, strict=True))
         if self._at_the_origin():
             self._constant(table)
             return
@@ -555,26 +555,26 @@ class FamilyGraph:
         of F is much smaller than one that has eliminated M, and so are its enclosures.
         """
         system = self._system
-        found = {i: values[i] for i in rows}
+        sides = {i: values[i] for i in rows}
         if rows and system.mass is not None and system.forcing is not None:
             solved = solved_rates(system)
             if len(solved) == system.mass.size1() and set(solved) <= set(rows):
                 forcing = self._forcing(system.forcing, table)
                 if exact_numbers(system.mass, system.forcing, forcing) and solvable(system):
-                    found |= {i: forcing[j] for i, j in solved.items()}
-        return ca.vertcat(*found.values()) if found else ca.SX(0, 1)
+                    sides |= {i: forcing[j] for i, j in solved.items()}
+        return ca.vertcat(*sides.values()) if sides else ca.SX(0, 1)
 
     def _forcing(self, forcing: ca.SX, table: Mapping[str, Any]) -> ca.SX:
         """The forcing with these values for the symbols, zeros folded."""
         system = self._system
         bare = Program(ca.Function("forcing", [system.x, system.p], [ca.densify(forcing)]))
-        given = [[table[n] for n in names] for names in (system.states, system.parameters)]
+        arguments = [[table[n] for n in names] for names in (system.states, system.parameters)]
         for strict in (False, True):
-            values = bare.run(self._constants.algebra(strict=strict), given)[0]
-            found = ca.vertcat(*map(ca.SX, values))
-            if exact_numbers(found):
+            values = bare.run(self._constants.algebra(strict=strict), arguments)[0]
+            folded = ca.vertcat(*map(ca.SX, values))
+            if exact_numbers(folded):
                 break
-        return found
+        return folded
 
     @property
     def numbers(self) -> tuple[list[float], tuple[float, ...]]:
@@ -626,8 +626,8 @@ class FamilyGraph:
             # CasADi's own evaluation is the same, and faster, where it rounds no number
             asked = ca.vertcat(*[x for _, x in met]) if met else ca.SX(0, 1)
             whole = ca.Function("graph", inputs, [rhs, slopes_of, asked])
-            f, jac, given = whole(*[ca.vertcat(*a) if a else ca.SX(0, 1) for a in arguments])
-            pairs = zip(met, ca.vertsplit(given) if met else [], strict=True)
+            f, jac, met_values = whole(*[ca.vertcat(*a) if a else ca.SX(0, 1) for a in arguments])
+            pairs = zip(met, ca.vertsplit(met_values) if met else [], strict=True)
             plain = not any(rounded(n, x) for (n, _), x in pairs)
             if plain and exact_numbers(f, jac):
                 return ca.densify(f), ca.sparsify(jac)
@@ -654,10 +654,10 @@ class FamilyGraph:
     def _read_large(self, values: Mapping[str, Any]) -> tuple[ca.SX, ca.SX]:
         """As `_read`, with each slope folded on the way."""
         system, n = self._system, len(self._system.states)
-        given = [[values[n] for n in names] for names in (system.states, system.parameters)]
+        blocks = [[values[n] for n in names] for names in (system.states, system.parameters)]
         for strict in (False, True):
             algebra = self._constants.algebra(strict=strict)
-            rates, slopes = rates_and_slopes(self._bare, algebra, *given)
+            rates, slopes = rates_and_slopes(self._bare, algebra, *blocks)
             f, jac = ca.vertcat(*map(ca.SX, rates)), _table(slopes[:n], n)
             if exact_numbers(f, jac):
                 break
@@ -674,14 +674,14 @@ class FamilyGraph:
         if not (self._large or rounded):
             return False
         # a mass matrix with a rounded third is not that of rates which keep thirds exact
-        known = rounded or exact_numbers(system.mass, system.forcing)
-        return known and solvable(system)
+        exact = rounded or exact_numbers(system.mass, system.forcing)
+        return exact and solvable(system)
 
-    def _form(self, values: Mapping[str, Any]) -> Implicit:
+    def _form(self, values: Mapping[str, Any]) -> MassGraphs:
         """The implicit form with these values, zeros folded."""
         for strict in (False, True):
             algebra = self._constants.algebra(strict=strict)
-            form = Implicit(self._system, values, algebra, self._program, self._zero)
+            form = MassGraphs(self._system, values, algebra, self._program, self._zero)
             if exact_numbers(form.mass, form.forcing, form.free, form.table):
                 break
         return form
@@ -721,7 +721,7 @@ class FamilyGraph:
         self._solve_for(
             ca.veccat(form.mass, form.forcing, form.free),
             ca.sparsify(ca.DM(pattern)),
-            lambda given: form.equations(rows, (u, given), numbers),
+            lambda symbols: form.equations(rows, (u, symbols), numbers),
         )
 
     @staticmethod
@@ -749,19 +749,21 @@ class FamilyGraph:
         )
         numbers = ca.DM(self._constants.values)
         plain = ca.substitute(residual, self._constants.column, numbers) if u.numel() else residual
-        self._solve_for(residual, by_u, lambda given: ca.Function("residual", [u, given], [plain]))
+        self._solve_for(
+            residual, by_u, lambda inputs: ca.Function("residual", [u, inputs], [plain])
+        )
 
     def _solve_for(
         self, sides: ca.SX, slopes: Any, problem: Callable[[ca.SX], ca.Function]
     ) -> None:
         """CasADi's root-finder for the equations, and the numbers in them."""
-        given = ca.vertcat(self._inputs[0], self._inputs[2])
-        self.used = [i for i in range(given.numel()) if ca.depends_on(sides, given[i])]
+        inputs = ca.vertcat(self._inputs[0], self._inputs[2])
+        self.used = [i for i in range(inputs.numel()) if ca.depends_on(sides, inputs[i])]
         """Indices in (family parameters, parameters) of those in the equations."""
         if self._size:
             regular = ca.sprank(slopes) == self._size  # not singular for all numbers
             self.finder = (
-                ca.rootfinder("root", "fast_newton", problem(given), FINDER) if regular else None
+                ca.rootfinder("root", "fast_newton", problem(inputs), FINDER) if regular else None
             )
 
     @cached_property

@@ -100,10 +100,10 @@ def _suspects(system: Equations, acts: NDArray[np.bool_]) -> list[tuple[int, int
 
 def _values(program: Program, x: Sequence[Any], p: Sequence[Any]) -> list[Any]:
     try:
-        found: list[Any] = [arb(v) for v in program.run(balls(), [list(x), list(p)])[0]]
+        values: list[Any] = [arb(v) for v in program.run(balls(), [list(x), list(p)])[0]]
     except ZeroDivisionError:
         return [arb("nan")] * len(x)
-    return found
+    return values
 
 
 def _vanishes(system: Equations, i: int, j: int | None = None) -> bool:
@@ -140,20 +140,20 @@ def turned(system: Equations) -> tuple[str, ...]:
 
 @lru_cache(maxsize=64)
 def _ordered(system: Equations) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    known = influence(system)
-    out = known.guards | known.still | np.isin(system.states, system.algebraic)
+    influences = influence(system)
+    out = influences.guards | influences.still | np.isin(system.states, system.algebraic)
     order: list[int] = []
     groups: list[int] = []
     while True:  # next come the states that act on nothing but what is there already
         rest = np.ones(len(out), dtype=bool)
         rest[order] = False
-        free = [int(i) for i in np.flatnonzero(rest & ~out & ~known.acts[rest].any(axis=0))]
+        free = [int(i) for i in np.flatnonzero(rest & ~out & ~influences.acts[rest].any(axis=0))]
         if not free:
             free = _group(system, rest & ~out, rest)
             groups += free
         if not free:
-            found, cycles = (tuple(system.states[i] for i in some) for some in (order, groups))
-            return found, cycles
+            states, cycles = (tuple(system.states[i] for i in some) for some in (order, groups))
+            return states, cycles
         order += free
 
 

@@ -115,14 +115,14 @@ def continuous(system: Equations, numbers: Mapping[str, float]) -> bool:
     program = Program(
         ca.Function("rates", [system.x, ca.vertcat(system.p, way)], [ca.densify(rhs)])
     )
-    known = [TwoSided.known(numbers.get(name)) for name in names]
+    sided = [TwoSided.known(numbers.get(name)) for name in names]
     cut = len(system.states)
     for turned, others in product(range(len(here)), product((1, -1), repeat=len(here) - 1)):
         ways = [TwoSided.known(w) for w in others]
         ways.insert(turned, TwoSided(Fraction(1), Fraction(-1), same=False))
         try:
             values, slopes = rates_and_slopes(
-                program, TWO_SIDED, known[:cut], [*known[cut:], *ways]
+                program, TWO_SIDED, sided[:cut], [*sided[cut:], *ways]
             )
         except (StabilityError, ZeroDivisionError, OverflowError):
             return False

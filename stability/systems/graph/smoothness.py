@@ -132,18 +132,18 @@ class _Number:
         return replace(self, value=-self.value, least=self.most, most=self.least)
 
 
-def _product_least(one: _Number, other: _Number) -> Any:
+def _product_least(factor: _Number, other: _Number) -> Any:
     """Whether a product is least at the state, by the signs and ends of its factors."""
-    a, b = one.value, other.value
-    above = (a >= 0) & one.least & (b >= 0) & other.least
-    below = (a <= 0) & one.most & (b <= 0) & other.most
-    return above | below | _scaled_least(one, other) | _scaled_least(other, one)
+    a, b = factor.value, other.value
+    above = (a >= 0) & factor.least & (b >= 0) & other.least
+    below = (a <= 0) & factor.most & (b <= 0) & other.most
+    return above | below | _scaled_least(factor, other) | _scaled_least(other, factor)
 
 
-def _scaled_least(one: _Number, other: _Number) -> Any:
+def _scaled_least(factor: _Number, other: _Number) -> Any:
     """Whether a product is least because one factor keeps its sign, and is constant or scales 0."""
-    a, b = one.value, other.value
-    fixed = one.least & one.most
+    a, b = factor.value, other.value
+    fixed = factor.least & factor.most
     end = ((a > 0) & other.least) | ((a < 0) & other.most) | (np.equal(a, 0) & fixed)
     return (fixed | np.equal(b, 0)) & end
 
@@ -158,7 +158,7 @@ def _function(name: str) -> Callable[[Any], _Number]:
         flat = np.isin(x.value, LEVEL.get(name, ()))
         low, high = (np.isin(x.value, ends) for ends in EDGES.get(name, ((), ())))
         edge, out = x.depends & (low | high), (low & ~x.least) | (high & ~x.most)
-        found = _at_edge(x, edge, x.moves & ~flat, x.kinked & ~flat, _PLAIN[name](x.value))
+        number = _at_edge(x, edge, x.moves & ~flat, x.kinked & ~flat, _PLAIN[name](x.value))
         rises = (np.abs(x.value) < STEEP) | (name not in ("sin", "tan"))
         rises &= ((x.value > 0) & (x.value < 2 * STEEP)) | (name not in LEVEL)
         least, most = x.least & rises, x.most & rises
@@ -166,7 +166,7 @@ def _function(name: str) -> Callable[[Any], _Number]:
         least, most = least | (flat & (name == "cosh")), most | (flat & (name == "cos"))
         fixed = x.least & x.most
         return replace(
-            found, broken=found.broken | (x.depends & out), least=least | fixed, most=most | fixed
+            number, broken=number.broken | (x.depends & out), least=least | fixed, most=most | fixed
         )
 
     return apply
@@ -201,16 +201,16 @@ def _power(x: Any, exponent: Any) -> _Number:
     zero = np.equal(x.value, 0)
     level = ~(zero & (e.value > 1))
     edge = x.depends & zero & ~whole & (e.value < 1)
-    found = _at_edge(x, edge, x.moves & level, x.kinked & level, _PLAIN["pow"](x.value, e.value))
+    number = _at_edge(x, edge, x.moves & level, x.kinked & level, _PLAIN["pow"](x.value, e.value))
     steep = (edge & (e.value < 0.5)) | (zero & e.depends)
     steep = steep | (x.depends & zero & ~whole & ~x.least)
     rises, fixed = (e.value > 0) & (x.value >= 0) & (not e.depends), x.least & x.most
     least = (rises & x.least) | (zero & even & (e.value > 0)) | fixed
     return _Number(
-        found.value,
-        found.moves | e.moves,
-        found.kinked | e.kinked,
-        found.broken | e.broken | steep,
+        number.value,
+        number.moves | e.moves,
+        number.kinked | e.kinked,
+        number.broken | e.broken | steep,
         x.depends or e.depends,
         least & (not e.depends),
         ((rises & x.most) | fixed) & (not e.depends),
@@ -229,9 +229,9 @@ def _angle(y: Any, x: Any) -> _Number:
     jumps = np.equal(y.value, 0) & np.less_equal(x.value, 0)
     ends = x.least & x.most & y.least & y.most
     value, moved = _PLAIN["atan2"](y.value, x.value), np.not_equal(y.value, 0)
-    found = y._with(x, value, np.True_, moved, ends, ends)
+    number = y._with(x, value, np.True_, moved, ends, ends)
     return _Number(
-        found.value, found.moves, found.kinked, found.broken | jumps, found.depends, ends, ends
+        number.value, number.moves, number.kinked, number.broken | jumps, number.depends, ends, ends
     )
 
 
@@ -254,8 +254,8 @@ def _rates(system: Equations) -> tuple[Program, bool] | None:
 
 def _program(system: Equations) -> Program | None:
     """The rates of a system, or None where no function may lack a slope."""
-    found = _rates(system)
-    return found[0] if found and found[1] else None
+    program = _rates(system)
+    return program[0] if program and program[1] else None
 
 
 NEAR = (1e-3, 1e-4)
@@ -264,13 +264,13 @@ NEAR = (1e-3, 1e-4)
 
 def gap(system: Equations, x: Floats, p: Floats) -> int | None:
     """The first row whose rates have no value but, as far as values nearby show, a limit."""
-    known = _rates(system)
-    if known is None:
+    graph = _rates(system)
+    if graph is None:
         return None
 
     def rates(x: Floats, p: Floats) -> Floats:
-        found: Floats = known[0].arrays([list(x.T), list(p.T)], x.shape[:1])[0][..., 0]
-        return found
+        values: Floats = graph[0].arrays([list(x.T), list(p.T)], x.shape[:1])[0][..., 0]
+        return values
 
     with np.errstate(all="ignore"):
         rows = np.flatnonzero(~np.isfinite(rates(x, p)).all(axis=1))
@@ -281,12 +281,12 @@ def gap(system: Equations, x: Floats, p: Floats) -> int | None:
         spread = []
         for share in NEAR:
             around = x[row] + share * (1 + np.abs(x[row])) * ways
-            found = rates(around, np.tile(p[row], (len(ways), 1)))
+            values = rates(around, np.tile(p[row], (len(ways), 1)))
             # along an axis on which the quotient stays 0/0 nothing is seen
-            found = found[np.isfinite(found).all(axis=1)]
-            if len(found) < len(ways) // 2:
+            values = values[np.isfinite(values).all(axis=1)]
+            if len(values) < len(ways) // 2:
                 return None
-            spread.append(float((np.ptp(found, axis=0) / (1 + np.abs(found).max(axis=0))).max()))
+            spread.append(float((np.ptp(values, axis=0) / (1 + np.abs(values).max(axis=0))).max()))
     return row if spread[1] <= spread[0] / 3 <= 0.1 else None
 
 
@@ -297,7 +297,7 @@ def edged(system: Equations) -> bool:
 
 def _at_edges(program: Program, x: Floats, p: Floats) -> NDArray[np.bool_]:
     """Rows at which the double of some argument is at an edge, in the order of the instructions."""
-    found = np.zeros(len(x), dtype=bool)
+    edges = np.zeros(len(x), dtype=bool)
 
     def watched(name: str) -> Callable[..., Any]:
         ends = (
@@ -309,7 +309,7 @@ def _at_edges(program: Program, x: Floats, p: Floats) -> NDArray[np.bool_]:
                 hit = np.equal(arguments[0], 0) & np.less_equal(arguments[1], 0)
             else:
                 hit = np.isin(arguments[0], ends)
-            np.logical_or(found, hit, out=found)
+            np.logical_or(edges, hit, out=edges)
             return _PLAIN[name](*arguments)
 
         return apply
@@ -319,7 +319,7 @@ def _at_edges(program: Program, x: Floats, p: Floats) -> NDArray[np.bool_]:
     algebra = Algebra("edges", np.float64, table)
     with np.errstate(all="ignore"):
         program.run(algebra, [list(x.T), list(p.T)])
-    return found
+    return edges
 
 
 def sloped(system: Equations, x: Floats, p: Floats) -> NDArray[np.bool_]:

@@ -76,7 +76,7 @@ def casadi_function(
     with no_folding():  # the graph as it is: CasADi joins constants in doubles
         rounded: list[str] = []
         try:
-            found = _scalar(function, [x, p][:inputs], Probes(x, p), rounded)
+            expressions = _scalar(function, [x, p][:inputs], Probes(x, p), rounded)
         except ParameterError:
             raise
         except Exception:  # CasADi raises several exception classes
@@ -90,10 +90,10 @@ def casadi_function(
         "name": function.name(),
         "x": x,
         "p": p,
-        "rhs": ca.densify(found[0]),
+        "rhs": ca.densify(expressions[0]),
         "states": names[0] if states is None else states,
         "parameters": names[1] if parameters is None else parameters,
-        "observables": dict(zip(function.name_out()[1:], found[1:], strict=True)),
+        "observables": dict(zip(function.name_out()[1:], expressions[1:], strict=True)),
         "approximation": "".join(rounded),
     }
 
@@ -117,16 +117,16 @@ def _loaded(path: Any) -> ca.Function:
     if not text:
         raise refusal
     try:
-        found = ca.Function.load(str(place))
+        loaded = ca.Function.load(str(place))
     except Exception:  # CasADi raises several exception classes
         raise refusal from None
-    if not isinstance(found, ca.Function) or found.is_null():
+    if not isinstance(loaded, ca.Function) or loaded.is_null():
         raise refusal
-    return found
+    return loaded
 
 
 def _scalar(
-    function: ca.Function, given: list[ca.SX], probes: Probes, rounded: list[str]
+    function: ca.Function, inputs: list[ca.SX], probes: Probes, rounded: list[str]
 ) -> list[ca.SX]:
     """The outputs of a function as scalar operations, one instruction after another.
 
@@ -134,18 +134,18 @@ def _scalar(
     `rounded` takes what a proof speaks of where numbers are rounded.
     """
     if function.class_name() != "MXFunction":
-        return list(function.call(given))  # what cannot be written out stays as a call
+        return list(function.call(inputs))  # what cannot be written out stays as a call
     free = [ca.MX.sym("x", function.sparsity_in(i)) for i in range(function.n_in())]
     function = ca.Function("inlined", free, function.call(free, True, False))
     if {ca.OP_SOLVE, ca.OP_DETERMINANT, ca.OP_LOGSUMEXP}.isdisjoint(operations(function)):
-        return list(function.call(given))
+        return list(function.call(inputs))
     entries: list[list[Any]] = [[ca.SX(0)] * function.nnz_out(i) for i in range(function.n_out())]
     work: dict[int, ca.SX] = {}
     for i in range(function.n_instructions()):
         code, node = function.instruction_id(i), function.instruction_MX(i)
         to, read = function.instruction_output(i), function.instruction_input(i)
         if code == ca.OP_INPUT:
-            work[to[0]] = given[read[0]]
+            work[to[0]] = inputs[read[0]]
             continue
         parts = [work[r] for r in read]
         if code == ca.OP_OUTPUT:
@@ -171,8 +171,10 @@ def _scalar(
             values = _operation(node, parts)
         work |= dict(zip(to, values, strict=True))
     return [
-        ca.SX(function.sparsity_out(i), ca.vertcat(*own)) if own else ca.SX(*function.size_out(i))
-        for i, own in enumerate(entries)
+        ca.SX(function.sparsity_out(i), ca.vertcat(*nonzeros))
+        if nonzeros
+        else ca.SX(*function.size_out(i))
+        for i, nonzeros in enumerate(entries)
     ]
 
 

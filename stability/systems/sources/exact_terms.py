@@ -97,15 +97,15 @@ def power(base: Term, exponent: int) -> Term:
         return base**exponent
     if exponent < 0:
         return over(ONE, power(base, -exponent))
-    found: Term = ONE
+    product: Term = ONE
     square = base
     while exponent:
         if exponent & 1:
-            found = times(found, square)
+            product = times(product, square)
         exponent >>= 1
         if exponent:
             square = square * square
-    return found
+    return product
 
 
 def _double(value: Fraction) -> bool:
@@ -117,7 +117,7 @@ def _double(value: Fraction) -> bool:
 
 def _parts(value: int) -> list[float]:
     """Doubles whose sum is a whole number."""
-    found = []
+    parts = []
     while value:
         try:
             part = float(value)
@@ -126,9 +126,9 @@ def _parts(value: int) -> list[float]:
                 f"the equations hold a number of {value.bit_length()} bits; give it as a symbol, "
                 "with its value as a parameter."
             ) from None
-        found.append(part)
+        parts.append(part)
         value -= int(part)
-    return found
+    return parts
 
 
 def _scaled(number: int, term: ca.SX) -> ca.SX:
@@ -168,8 +168,8 @@ class Probes:
         n = len(matrix)
         entries = ca.vertcat(*[graph(t) for row in matrix for t in row])
         function = ca.Function("probe", [ca.vertcat(*self._symbols)], [entries])
-        found = np.array(function(self._points.T)).T.reshape(-1, n, n)
-        return found[np.isfinite(found).all(axis=(1, 2))]
+        values = np.array(function(self._points.T)).T.reshape(-1, n, n)
+        return values[np.isfinite(values).all(axis=(1, 2))]
 
 
 def solve(
@@ -290,14 +290,14 @@ def _step(
 
 
 def _back(rows: list[list[Term]], right: list[Term], order: list[tuple[int, int]]) -> list[Term]:
-    found: dict[int, Term] = {}
+    solution: dict[int, Term] = {}
     for row, column in reversed(order):
         total = right[row]
-        for j, value in found.items():
+        for j, value in solution.items():
             if not _zero(rows[row][j]) and not _zero(value):
                 total = plus(total, times(MINUS, times(rows[row][j], value)))
-        found[column] = over(total, rows[row][column])
-    return [found[j] for j in range(len(found))]
+        solution[column] = over(total, rows[row][column])
+    return [solution[j] for j in range(len(solution))]
 
 
 def _zero(term: Term) -> bool:

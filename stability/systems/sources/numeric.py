@@ -26,7 +26,7 @@ from ...base.errors import (
 )
 from ...base.types import Floats, content
 from ..equations import Equations
-from ..members import Found
+from ..members import FamilyRoots
 from ..system_checks import check_names
 
 LEVELS = 12
@@ -91,8 +91,8 @@ class NumericSystem(Equations):
         return dict(self.__dict__)
 
     def _content(self) -> tuple[Any, ...]:
-        own = (self.name, self.states, self.parameters, self.units, self.__dict__["_call"])
-        return (type(self), content(own))
+        parts = (self.name, self.states, self.parameters, self.units, self.__dict__["_call"])
+        return (type(self), content(parts))
 
     @property
     def no_graph(self) -> str:
@@ -140,8 +140,8 @@ class NumericSystem(Equations):
         shape = np.broadcast_shapes(xs.shape[:-1], ps.shape[:-1])
         xs = np.broadcast_to(xs, (*shape, xs.shape[-1])).reshape(-1, xs.shape[-1])
         ps = np.broadcast_to(ps, (*shape, ps.shape[-1])).reshape(len(xs), ps.shape[-1])
-        found = np.array([self.call(a, b) for a, b in zip(xs, ps, strict=True)])
-        return found.reshape(*shape, -1)
+        values = np.array([self.call(a, b) for a, b in zip(xs, ps, strict=True)])
+        return values.reshape(*shape, -1)
 
     def linearise(self, x: ArrayLike, p: ArrayLike) -> Floats:
         """The Jacobian by finite differences, as for `Equations.linearise`, at one state."""
@@ -167,26 +167,26 @@ class NumericSystem(Equations):
         function: Rates = self.__dict__["_call"]
         try:
             with np.errstate(all="ignore"):
-                given = np.asarray(function(x.copy(), p.copy()))
-                if np.iscomplexobj(given):
+                returned = np.asarray(function(x.copy(), p.copy()))
+                if np.iscomplexobj(returned):
                     raise TypeError("its rates are complex")
-                found = given.astype(float).reshape(-1)
+                values = returned.astype(float).reshape(-1)
         except Exception as error:  # a user's code may raise anything
             raise ParameterError(
                 f"the function of {self.name} fails at x = {shown(x.tolist())} "
                 f"({type(error).__name__}: {error}); give f(x, p) → rates."
             ) from None
-        if len(found) != len(self.states):
+        if len(values) != len(self.states):
             raise ParameterError(
-                f"the function of {self.name} returns {len(found)} rates for {len(self.states)} "
+                f"the function of {self.name} returns {len(values)} rates for {len(self.states)} "
                 "states; give one each."
             )
-        if not np.isfinite(found).all():
+        if not np.isfinite(values).all():
             raise DomainError(
                 f"{self.name}: the rates at x = {shown(x.tolist())} are not finite; give another "
                 "state."
             )
-        return found
+        return values
 
     def derivative(self, x: Floats, p: Floats) -> Derivative:
         """∂f/∂x by central differences, extrapolated to step zero, with an estimate of its error.
@@ -263,7 +263,9 @@ class NumericSystem(Equations):
 # --- members of a family ---
 
 
-def numeric_search(family: Any, a: Floats, q: Floats, guess: ArrayLike | None = None) -> Found:
+def numeric_search(
+    family: Any, a: Floats, q: Floats, guess: ArrayLike | None = None
+) -> FamilyRoots:
     """The unknowns at each row, as `Family.search`, and the rows without a steady motion.
 
     Parameters
@@ -277,22 +279,22 @@ def numeric_search(family: Any, a: Floats, q: Floats, guess: ArrayLike | None = 
     u = np.zeros((len(a), len(family.unknown)))
     good, why = np.zeros(len(a), dtype=bool), [""] * len(a)
     for row, start in enumerate(np.broadcast_to(first, u.shape)):
-        given = a[row : row + 1], q[row : row + 1]
+        numbers = a[row : row + 1], q[row : row + 1]
         try:
-            u[row] = _solved(family, given, start)
-            numeric_checked(family, given[0], u[row : row + 1], given[1])
+            u[row] = _solved(family, numbers, start)
+            numeric_checked(family, numbers[0], u[row : row + 1], numbers[1])
             good[row] = True
         except StabilityError as error:
             why[row] = str(error)
-    return Found(u, good, lambda row: why[row])
+    return FamilyRoots(u, good, lambda row: why[row])
 
 
 def numeric_states(family: Any, a: Floats, u: Floats) -> Floats:
     """States of members, as `Family.states`."""
-    known: dict[str, Any] = dict(zip(family.at, a.T, strict=True))
-    known |= dict(zip(family.unknown, u.T, strict=True))
-    known |= {n: np.pi / 2 if isinstance(v, Upright) else v for n, v in family.held.items()}
-    return np.column_stack([np.broadcast_to(known[n], len(a)) for n in family.system.states])
+    values: dict[str, Any] = dict(zip(family.at, a.T, strict=True))
+    values |= dict(zip(family.unknown, u.T, strict=True))
+    values |= {n: np.pi / 2 if isinstance(v, Upright) else v for n, v in family.held.items()}
+    return np.column_stack([np.broadcast_to(values[n], len(a)) for n in family.system.states])
 
 
 def numeric_checked(family: Any, a: Floats, u: Floats, q: Floats) -> Floats:
@@ -304,8 +306,8 @@ def numeric_checked(family: Any, a: Floats, u: Floats, q: Floats) -> Floats:
         If a rate does not vanish.
     """
     system: NumericSystem = family.system
-    states, given = numeric_states(family, a, u), family._system_parameters(a, u, q)
-    for row, (x, p) in enumerate(zip(states, given, strict=True)):
+    states, parameters = numeric_states(family, a, u), family._system_parameters(a, u, q)
+    for row, (x, p) in enumerate(zip(states, parameters, strict=True)):
         rates = np.abs(system.call(x, p))
         if not rates.any():
             continue
@@ -332,12 +334,12 @@ def newton_step(family: Any, x: Floats, p: Floats, slopes: Floats) -> Floats:
     return np.asarray(-step)
 
 
-def _solved(family: Any, given: tuple[Floats, Floats], first: Floats) -> Floats:
+def _solved(family: Any, numbers: tuple[Floats, Floats], first: Floats) -> Floats:
     """Newton's method on the unknowns of one member."""
-    u, p = first.copy(), family._system_parameters(given[0], first[None], given[1])[0]
+    u, p = first.copy(), family._system_parameters(numbers[0], first[None], numbers[1])[0]
     before = np.inf
     for _ in range(MOST_STEPS):
-        x = numeric_states(family, given[0], u[None])[0]
+        x = numeric_states(family, numbers[0], u[None])[0]
         try:
             step = newton_step(family, x, p, family.system.slopes(x, p))
         except np.linalg.LinAlgError:
@@ -351,5 +353,5 @@ def _solved(family: Any, given: tuple[Floats, Floats], first: Floats) -> Floats:
         u, before = u + step, size
     raise NoMemberError(
         f"{family.name} has no member that Newton's method reaches at "
-        f"{_place(family, given[0][0], given[1][0])}; choose another point or another guess."
+        f"{_place(family, numbers[0][0], numbers[1][0])}; choose another point or another guess."
     )

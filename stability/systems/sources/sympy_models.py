@@ -83,8 +83,8 @@ class Translation:
     SX((sin(a)/3))
     """
 
-    def __init__(self, known: Mapping[Any, Term]) -> None:
-        self._found: dict[Any, Term] = dict(known)
+    def __init__(self, terms: Mapping[Any, Term]) -> None:
+        self._terms: dict[Any, Term] = dict(terms)
         self._rounded: dict[str, float] = {}
 
     @property
@@ -93,9 +93,9 @@ class Translation:
         said = (f"{shown(n)[1:-1]} as {v!r}" for n, v in self._rounded.items())
         return f"for the equations with {listed(list(said))}" if self._rounded else ""
 
-    def add(self, known: Mapping[Any, Term]) -> None:
+    def add(self, terms: Mapping[Any, Term]) -> None:
         """Further symbols, before an expression that holds them is read."""
-        self._found |= known
+        self._terms |= terms
 
     def __call__(self, expression: Any) -> Term:
         """The term of one expression.
@@ -107,52 +107,52 @@ class Translation:
         """
         stack = [expression]  # no recursion: expressions may be deeper than Python's stack
         while stack:
-            one = stack[-1]
-            if self._new(one) and _irrational(one):
-                self._rounded[str(one)] = value = float(one.evalf(DIGITS))
-                self._found[one] = Fraction(value)
-            open_ = [a for a in _parts(one) if a not in self._found] if self._new(one) else []
+            part = stack[-1]
+            if self._new(part) and _irrational(part):
+                self._rounded[str(part)] = value = float(part.evalf(DIGITS))
+                self._terms[part] = Fraction(value)
+            open_ = [a for a in _parts(part) if a not in self._terms] if self._new(part) else []
             if open_:
                 stack += open_
                 continue
             stack.pop()
-            if one not in self._found:
-                self._found[one] = _term(one, [self._found[a] for a in _parts(one)])
-        return self._found[expression]
+            if part not in self._terms:
+                self._terms[part] = _term(part, [self._terms[a] for a in _parts(part)])
+        return self._terms[expression]
 
-    def _new(self, one: Any) -> bool:
-        return one not in self._found
+    def _new(self, part: Any) -> bool:
+        return part not in self._terms
 
     def rows(self, matrix: Any) -> list[list[Term]]:
         """The entries of a SymPy matrix as rows of terms."""
         return [[self(matrix[i, j]) for j in range(matrix.cols)] for i in range(matrix.rows)]
 
 
-def _parts(one: Any) -> tuple[Any, ...]:
+def _parts(node: Any) -> tuple[Any, ...]:
     """Arguments that are read first; a rational exponent is no term."""
-    if one.is_Pow:
-        return tuple(one.args[:1] if one.exp.is_Rational else one.args)
-    name = type(one).__name__
+    if node.is_Pow:
+        return tuple(node.args[:1] if node.exp.is_Rational else node.args)
+    name = type(node).__name__
     if name == "Piecewise":
-        return tuple(part for pair in one.args for part in pair.args)
+        return tuple(part for pair in node.args for part in pair.args)
     if name == "Heaviside":  # its value at 0 is none of a switch
-        return tuple(one.args[:1])
-    if one.is_Relational or one.is_Boolean or name in PIECES:
-        return tuple(one.args)
-    known = one.is_Function and (name in (*DIRECT, *RECIPROCAL, ANGLE) or hasattr(one, TABLE))
-    return tuple(one.args) if one.is_Add or one.is_Mul or known else ()
+        return tuple(node.args[:1])
+    if node.is_Relational or node.is_Boolean or name in PIECES:
+        return tuple(node.args)
+    readable = node.is_Function and (name in (*DIRECT, *RECIPROCAL, ANGLE) or hasattr(node, TABLE))
+    return tuple(node.args) if node.is_Add or node.is_Mul or readable else ()
 
 
-def _switch(one: Any, parts: list[Term]) -> Term | None:
+def _switch(node: Any, parts: list[Term]) -> Term | None:
     """The term of a condition, or of an expression of several pieces; None for any other."""
-    name = type(one).__name__
+    name = type(node).__name__
     if name in PIECES:
         return reduce(PIECES[name], parts)
     if name in ("BooleanTrue", "BooleanFalse"):
         return ONE if name == "BooleanTrue" else ZERO
     if name == "Not":
         return plus(ONE, times(MINUS, parts[0]))
-    if one.is_Relational:
+    if node.is_Relational:
         less = plus(parts[1], times(MINUS, parts[0]))  # above zero where the left side is smaller
         equal = power(ca.sign(graph(less)), 2)
         falling = name in ("StrictLessThan", "LessThan")
@@ -161,9 +161,9 @@ def _switch(one: Any, parts: list[Term]) -> Term | None:
         return above(graph(less if falling else times(MINUS, less)))
     if name != "Piecewise":
         return None
-    if type(one.args[-1].cond).__name__ != "BooleanTrue":
+    if type(node.args[-1].cond).__name__ != "BooleanTrue":
         raise ParameterError(
-            f"the equations hold {shown(str(one))}, which has no value where no condition holds; "
+            f"the equations hold {shown(str(node))}, which has no value where no condition holds; "
             "end it with a piece whose condition is True."
         )
     value = parts[-2]
@@ -177,60 +177,60 @@ def chosen(where: Term, yes: Term, no: Term) -> Term:
     return plus(times(where, yes), times(plus(ONE, times(MINUS, where)), no))
 
 
-def _term(one: Any, parts: list[Term]) -> Term:
-    if (switch := _switch(one, parts)) is not None:
+def _term(node: Any, parts: list[Term]) -> Term:
+    if (switch := _switch(node, parts)) is not None:
         return switch
-    if one.is_Rational:
-        return Fraction(int(one.p), int(one.q))
-    if one.is_Float and one.is_finite:
-        sign, mantissa, exponent, _ = one._mpf_
+    if node.is_Rational:
+        return Fraction(int(node.p), int(node.q))
+    if node.is_Float and node.is_finite:
+        sign, mantissa, exponent, _ = node._mpf_
         return Fraction((-1) ** sign * int(mantissa)) * Fraction(2) ** exponent
-    if one.is_Add:
+    if node.is_Add:
         return reduce(plus, parts, ZERO)
-    if one.is_Mul:
+    if node.is_Mul:
         return reduce(times, parts, ONE)
-    if one.is_Pow:
-        return _power(one, parts)
-    if type(one).__name__ == ANGLE and len(parts) == 2:
-        return _angle(one, *parts)
-    if one.is_Function and len(parts) == 1:
-        return _function(one, parts[0])
-    raise _refusal(one)
+    if node.is_Pow:
+        return _power(node, parts)
+    if type(node).__name__ == ANGLE and len(parts) == 2:
+        return _angle(node, *parts)
+    if node.is_Function and len(parts) == 1:
+        return _function(node, parts[0])
+    raise _refusal(node)
 
 
-def _power(one: Any, parts: list[Term]) -> Term:
-    base, exponent = parts[0], one.exp
+def _power(node: Any, parts: list[Term]) -> Term:
+    base, exponent = parts[0], node.exp
     if exponent.is_Integer:
         if abs(int(exponent)) > 64 and not isinstance(base, Fraction):
             return ca.power(base, float(exponent))
         return power(base, int(exponent))
     if isinstance(base, Fraction) and (exponent.is_Rational or isinstance(parts[1], Fraction)):
-        raise _inexact(one)
+        raise _inexact(node)
     if exponent.is_Rational and exponent.q == 2:
         return power(ca.sqrt(base), int(exponent.p))
     if exponent.is_Rational:  # a third is no double: the logarithm keeps the power exact
         return ca.exp(times(Fraction(int(exponent.p), int(exponent.q)), ca.log(base)))
     if isinstance(base, Fraction) and Fraction(float(base)) != base:
-        raise _inexact(one)
+        raise _inexact(node)
     if isinstance(parts[1], Fraction) and Fraction(float(parts[1])) != parts[1]:
         return ca.exp(times(parts[1], ca.log(base)))
     return ca.power(graph(base), graph(parts[1]))
 
 
-def _function(one: Any, part: Term) -> Term:
-    name = type(one).__name__
-    if hasattr(one, TABLE):
-        return getattr(one, TABLE)(graph(part))
+def _function(node: Any, part: Term) -> Term:
+    name = type(node).__name__
+    if hasattr(node, TABLE):
+        return getattr(node, TABLE)(graph(part))
     if name not in DIRECT and name not in RECIPROCAL:
-        raise _refusal(one)
+        raise _refusal(node)
     if isinstance(part, Fraction):
-        raise _inexact(one)
+        raise _inexact(node)
     if name in RECIPROCAL:
         return over(ONE, DIRECT[RECIPROCAL[name]](part))
     return DIRECT[name](part)
 
 
-def _angle(one: Any, y: Term, x: Term) -> Term:
+def _angle(node: Any, y: Term, x: Term) -> Term:
     """The angle of (x, y); that of (c x, c y) with c > 0 is the same, so a fraction stays exact."""
     for part in (y, x):
         if isinstance(part, Fraction):
@@ -239,46 +239,46 @@ def _angle(one: Any, y: Term, x: Term) -> Term:
     if any(isinstance(v, Fraction) and Fraction(float(v)) != v for v in (y, x)) or (
         isinstance(y, Fraction) and isinstance(x, Fraction)
     ):
-        raise _inexact(one)
+        raise _inexact(node)
     return ca.atan2(graph(y), graph(x))
 
 
-def _irrational(one: Any) -> bool:
+def _irrational(node: Any) -> bool:
     """Whether an expression is a real number that is no fraction, such as π or a root.
 
     Sums and products are read part by part: 3π is three times the double.
     """
-    if one.is_Boolean or one.is_Relational:
+    if node.is_Boolean or node.is_Relational:
         return False
-    read = one.is_Rational or one.is_Float or one.is_Add or one.is_Mul
-    return bool(one.is_number and not read and one.is_finite and one.is_extended_real)
+    read = node.is_Rational or node.is_Float or node.is_Add or node.is_Mul
+    return bool(node.is_number and not read and node.is_finite and node.is_extended_real)
 
 
-def _inexact(one: Any) -> ParameterError:
+def _inexact(node: Any) -> ParameterError:
     return ParameterError(
-        f"the equations hold the number {shown(str(one))}, which no double is exactly; put a "
+        f"the equations hold the number {shown(str(node))}, which no double is exactly; put a "
         "symbol in its place and give its value as a parameter."
     )
 
 
-def _refusal(one: Any) -> ParameterError:
-    if one.is_number and not one.is_Function:
+def _refusal(node: Any) -> ParameterError:
+    if node.is_number and not node.is_Function:
         return ParameterError(
-            f"the equations hold {shown(str(one))}, which is no finite real number; SymPy divided "
+            f"the equations hold {shown(str(node))}, which is no finite real number; SymPy divided "
             "by zero or left the real numbers."
         )
-    if one.is_Derivative:
+    if node.is_Derivative:
         return ParameterError(
-            f"the equations hold {shown(str(one))}, which is neither a state nor the rate of one; "
+            f"the equations hold {shown(str(node))}, which is neither a state nor the rate of one; "
             "solve for it, or leave it out."
         )
-    if one.is_Symbol:
+    if node.is_Symbol:
         return ParameterError(
-            f"the equations hold the symbol {shown(str(one))}, which is neither a state nor a "
+            f"the equations hold the symbol {shown(str(node))}, which is neither a state nor a "
             "parameter; time itself is none, so the equations must not name it."
         )
     return ParameterError(
-        f"the equations use SymPy's {type(one).__name__}; a graph has + - * /, powers, abs, sqrt, "
+        f"the equations use SymPy's {type(node).__name__}; a graph has + - * /, powers, abs, sqrt, "
         "exp, log, sin, sinh and their like, and the inverses, atan2 too: write it by these, or "
         "give the rates to System.from_function as a plain Python function, for spectra without "
         "proofs."
@@ -295,7 +295,7 @@ FORMS = (
 
 
 @dataclass(frozen=True)
-class Implicit:
+class SymbolicEquations:
     """A model's equations: matrix · (rates, accelerations, multipliers) = forcing."""
 
     q: tuple[Any, ...]
@@ -320,7 +320,7 @@ class Implicit:
     """Number of constraint forces among the unknowns."""
 
 
-def _implicit(model: Any, chosen: Sequence[Any]) -> Implicit:
+def _implicit(model: Any, chosen: Sequence[Any]) -> SymbolicEquations:
     """The equations of a SymPy model."""
     from sympy import Matrix, MatrixBase
     from sympy.physics import mechanics
@@ -331,8 +331,8 @@ def _implicit(model: Any, chosen: Sequence[Any]) -> Implicit:
             raise ParameterError(
                 "the mechanics.System has no equations yet; call its form_eoms() first."
             )
-        own = (*model.q_dep, *model.u_dep)
-        return _implicit(method, (*chosen, *(d for d in own if d not in chosen)))
+        dependent = (*model.q_dep, *model.u_dep)
+        return _implicit(method, (*chosen, *(d for d in dependent if d not in chosen)))
     if isinstance(model, mechanics.KanesMethod):
         return _kane(model)
     if isinstance(model, mechanics.LagrangesMethod):
@@ -347,7 +347,7 @@ def _implicit(model: Any, chosen: Sequence[Any]) -> Implicit:
     raise ParameterError(f"model is {shown(model)}; give {FORMS}.")
 
 
-def _kane(model: Any) -> Implicit:
+def _kane(model: Any) -> SymbolicEquations:
     try:
         matrix, forcing = model.mass_matrix_full, model.forcing_full
     except ValueError:
@@ -357,7 +357,7 @@ def _kane(model: Any) -> Implicit:
     q, u, aux = tuple(model.q), tuple(model.u), tuple(model._uaux)
     depends = len(model._udep)
     velocity = tuple(model._k_nh * model.u + model._f_nh) if depends else ()
-    return Implicit(
+    return SymbolicEquations(
         q,
         u,
         matrix,
@@ -370,7 +370,7 @@ def _kane(model: Any) -> Implicit:
     )
 
 
-def _lagrange(model: Any, chosen: Sequence[Any]) -> Implicit:
+def _lagrange(model: Any, chosen: Sequence[Any]) -> SymbolicEquations:
     if model.eom is None:
         raise ParameterError(
             "the LagrangesMethod has no equations yet; call its form_lagranges_equations() first."
@@ -384,7 +384,7 @@ def _lagrange(model: Any, chosen: Sequence[Any]) -> Implicit:
             f"the model has {len(constraints)} constraint{'s' * (len(constraints) != 1)}; name as "
             "many dependent coordinates (or rates) in dependent, such as dependent=[q1]."
         )
-    return Implicit(
+    return SymbolicEquations(
         q,
         u,
         model.mass_matrix_full,
@@ -397,16 +397,16 @@ def _lagrange(model: Any, chosen: Sequence[Any]) -> Implicit:
     )
 
 
-def _matrices(mass: Any, forcing: Any, q: tuple[Any, ...], u: tuple[Any, ...]) -> Implicit:
+def _matrices(mass: Any, forcing: Any, q: tuple[Any, ...], u: tuple[Any, ...]) -> SymbolicEquations:
     from sympy import diag, eye
 
     n, m = len(q), len(u)
     size = mass.rows
     fits = mass.rows == mass.cols == forcing.rows and forcing.cols == 1
     if fits and size == n + m:
-        return Implicit(q, u, mass, forcing, (n, m, 0))
+        return SymbolicEquations(q, u, mass, forcing, (n, m, 0))
     if fits and size == m == n:
-        return Implicit(q, u, diag(eye(n), mass), type(forcing)([*u, *forcing]), (n, m, 0))
+        return SymbolicEquations(q, u, diag(eye(n), mass), type(forcing)([*u, *forcing]), (n, m, 0))
     raise ParameterError(
         f"the mass matrix is {mass.rows} x {mass.cols} and the forcing {forcing.rows} x "
         f"{forcing.cols} for {n} coordinates and {m} speeds; give {n + m} rows, or {m} where each "
@@ -441,26 +441,26 @@ def sympy_model(
     ParameterError, NameUnknownError
         If the model is not one of these, or holds what a graph does not have.
     """
-    given = _dependent(dependent)
+    solved = _dependent(dependent)
     with no_folding():
         if isinstance(model, Mapping):
-            found = _explicit(model, parameters, observables or {})
+            arguments = _explicit(model, parameters, observables or {})
         else:
-            form = _implicit(model, tuple(given))
-            found = _Reader(form, given, parameters, observables or {}).system()
-    return _without(found, cyclic)
+            form = _implicit(model, tuple(solved))
+            arguments = _Reader(form, solved, parameters, observables or {}).system()
+    return _without(arguments, cyclic)
 
 
-def _dependent(given: Any) -> dict[Any, Any]:
+def _dependent(table: Any) -> dict[Any, Any]:
     """Dependent coordinates and speeds, each with its expression or None."""
     from sympy import sympify
 
-    if isinstance(given, Mapping):
-        return {k: None if v is None else sympify(v) for k, v in given.items()}
-    if isinstance(given, (list, tuple)):
-        return dict.fromkeys(given)
+    if isinstance(table, Mapping):
+        return {k: None if v is None else sympify(v) for k, v in table.items()}
+    if isinstance(table, (list, tuple)):
+        return dict.fromkeys(table)
     raise ParameterError(
-        f"dependent is {shown(given)}; give a list of coordinates and speeds, or a mapping from a "
+        f"dependent is {shown(table)}; give a list of coordinates and speeds, or a mapping from a "
         "coordinate to its expression."
     )
 
@@ -475,32 +475,32 @@ def _label(symbol: Any) -> str:
     return str(symbol.name if symbol.is_Symbol else symbol.func.__name__)
 
 
-def _free(expressions: Sequence[Any], known: Sequence[Any]) -> list[Any]:
+def _free(expressions: Sequence[Any], states: Sequence[Any]) -> list[Any]:
     """Symbols and inputs in expressions, apart from states and time, sorted by name."""
     from sympy.core.function import AppliedUndef
     from sympy.physics.vector import dynamicsymbols
 
-    found: set[Any] = set()
-    for one in expressions:
-        found |= one.free_symbols | one.atoms(AppliedUndef)
-    found -= {dynamicsymbols._t, *known}
-    for one in found:
-        if known and one.is_Function and one.has(*known):
+    symbols: set[Any] = set()
+    for atom in expressions:
+        symbols |= atom.free_symbols | atom.atoms(AppliedUndef)
+    symbols -= {dynamicsymbols._t, *states}
+    for atom in symbols:
+        if states and atom.is_Function and atom.has(*states):
             raise ParameterError(
-                f"the equations hold {shown(str(one))}, an unknown function of a state; write its "
+                f"the equations hold {shown(str(atom))}, an unknown function of a state; write its "
                 "expression, or give a symbol where it is a parameter."
             )
-    return sorted(found, key=lambda s: (_label(s), str(s)))
+    return sorted(symbols, key=lambda s: (_label(s), str(s)))
 
 
-def _parameters(given: Any, free: Sequence[Any]) -> list[Any]:
+def _parameters(wanted: Any, free: Sequence[Any]) -> list[Any]:
     """The parameters in the user's order, or sorted by name."""
-    if given is None:
+    if wanted is None:
         return list(free)
-    if isinstance(given, (str, Mapping)) or not hasattr(given, "__iter__"):
-        raise ParameterError(f"parameters is {shown(given)}; give a list of SymPy symbols.")
+    if isinstance(wanted, (str, Mapping)) or not hasattr(wanted, "__iter__"):
+        raise ParameterError(f"parameters is {shown(wanted)}; give a list of SymPy symbols.")
     by_name = {_label(s): s for s in free}
-    chosen = [_symbol(s, by_name) for s in given]
+    chosen = [_symbol(s, by_name) for s in wanted]
     for symbol in free:
         if symbol not in chosen:
             raise NameUnknownError(
@@ -510,51 +510,51 @@ def _parameters(given: Any, free: Sequence[Any]) -> list[Any]:
     return chosen
 
 
-def _symbol(given: Any, by_name: Mapping[str, Any]) -> Any:
+def _symbol(wanted: Any, by_name: Mapping[str, Any]) -> Any:
     from sympy import Symbol
 
-    if isinstance(given, str):
-        return by_name.get(given, Symbol(given))
-    if getattr(given, "is_Symbol", False) or getattr(given, "is_Function", False):
-        return given
-    raise ParameterError(f"parameters holds {shown(given)}; give SymPy symbols or their names.")
+    if isinstance(wanted, str):
+        return by_name.get(wanted, Symbol(wanted))
+    if getattr(wanted, "is_Symbol", False) or getattr(wanted, "is_Function", False):
+        return wanted
+    raise ParameterError(f"parameters holds {shown(wanted)}; give SymPy symbols or their names.")
 
 
 def _column(symbols: Sequence[Any]) -> ca.SX:
     return ca.vertcat(*[ca.SX.sym(_label(s)) for s in symbols]) if symbols else ca.SX(0, 1)
 
 
-def _known(symbols: Sequence[Any], column: ca.SX) -> dict[Any, Term]:
+def _symbol_terms(symbols: Sequence[Any], column: ca.SX) -> dict[Any, Term]:
     return {s: column[i] for i, s in enumerate(symbols)}
 
 
-def _without(found: dict[str, Any], cyclic: Any) -> dict[str, Any]:
+def _without(arguments: dict[str, Any], cyclic: Any) -> dict[str, Any]:
     """The system without coordinates that no other rate holds."""
     if isinstance(cyclic, str) or not hasattr(cyclic, "__iter__"):
         raise ParameterError(f"cyclic is {shown(cyclic)}; give a list of coordinates.")
     gone = [s if isinstance(s, str) else _label(s) for s in cyclic]
     for name in gone:
-        if name not in found["states"]:
+        if name not in arguments["states"]:
             raise NameUnknownError(
-                f"cyclic names {shown(name)}; states are {', '.join(found['states'])}."
+                f"cyclic names {shown(name)}; states are {', '.join(arguments['states'])}."
             )
-    kept = [i for i, n in enumerate(found["states"]) if n not in gone]
-    rates = found["rhs"][kept]
-    others = ca.vertcat(rates, *(c.value for c in found.get("conditions", ())))
-    for i, name in enumerate(found["states"]):
-        if name in gone and ca.depends_on(others, found["x"][i]):
+    kept = [i for i, n in enumerate(arguments["states"]) if n not in gone]
+    rates = arguments["rhs"][kept]
+    others = ca.vertcat(rates, *(c.value for c in arguments.get("conditions", ())))
+    for i, name in enumerate(arguments["states"]):
+        if name in gone and ca.depends_on(others, arguments["x"][i]):
             raise ParameterError(
                 f"{name} is no cyclic coordinate: the equations of the others hold it; leave it "
                 "out of cyclic, or simplify the equations."
             )
-    x = found["x"]
+    x = arguments["x"]
     seen = {
         n: e
-        for n, e in found["observables"].items()
+        for n, e in arguments["observables"].items()
         if not any(ca.depends_on(e, x[i]) for i in range(x.numel()) if i not in kept)
     }
-    left = found | {"rhs": rates, "x": x[kept], "observables": seen}
-    left["states"] = tuple(found["states"][i] for i in kept)
+    left = arguments | {"rhs": rates, "x": x[kept], "observables": seen}
+    left["states"] = tuple(arguments["states"][i] for i in kept)
     if gone:  # the implicit form holds the rates of the states that are gone
         left = {k: v for k, v in left.items() if k not in ("mass", "forcing", "unknowns")}
     return left
@@ -575,15 +575,15 @@ def _explicit(
         if not (getattr(state, "is_Symbol", False) or getattr(state, "is_Function", False)):
             raise ParameterError(f"{shown(state)} is no SymPy symbol; give {FORMS}.")
     seen = _expressions(observables)
-    own = _parameters(parameters, _free([*rates, *seen.values()], states))
-    x, p = _column(states), _column(own)
-    read = Translation(_known(states, x) | _known(own, p))
+    symbols = _parameters(parameters, _free([*rates, *seen.values()], states))
+    x, p = _column(states), _column(symbols)
+    read = Translation(_symbol_terms(states, x) | _symbol_terms(symbols, p))
     return {
         "x": x,
         "p": p,
         "rhs": ca.vertcat(*[graph(read(r)) for r in rates]),
         "states": tuple(map(_label, states)),
-        "parameters": tuple(map(_label, own)),
+        "parameters": tuple(map(_label, symbols)),
         "observables": {n: graph(read(e)) for n, e in seen.items()},
         "approximation": read.approximation,
     }
@@ -594,19 +594,19 @@ def _expressions(observables: Any) -> dict[str, Any]:
 
     if not isinstance(observables, Mapping):
         raise ParameterError(f"observables is {shown(observables)}; give a mapping by names.")
-    found = {n: sympify(e) for n, e in observables.items()}
-    for name, one in found.items():
-        if not isinstance(one, Expr):
-            raise ParameterError(f"observable {name} is {shown(one)}; give a SymPy expression.")
-    return found
+    parsed = {n: sympify(e) for n, e in observables.items()}
+    for name, value in parsed.items():
+        if not isinstance(value, Expr):
+            raise ParameterError(f"observable {name} is {shown(value)}; give a SymPy expression.")
+    return parsed
 
 
 @dataclass
 class _Reader:
     """One model on its way into a graph."""
 
-    form: Implicit
-    given: Mapping[Any, Any]
+    form: SymbolicEquations
+    stated: Mapping[Any, Any]
     parameters: Any
     observables: Any
     seen: dict[str, Term] = field(default_factory=dict)
@@ -616,12 +616,12 @@ class _Reader:
         """Everything that the constructor of a system takes."""
         form = self.form
         every = (*form.q, *form.u)
-        for one in self.given:
-            if one not in every:
+        for symbol in self.stated:
+            if symbol not in every:
                 raise NameUnknownError(
-                    f"dependent names {shown(str(one))}, no coordinate or speed of the model."
+                    f"dependent names {shown(str(symbol))}, no coordinate or speed of the model."
                 )
-        self.known = dict.fromkeys((*form.dependent, *self.given))
+        self.known = dict.fromkeys((*form.dependent, *self.stated))
         q_dep, u_dep = ([s for s in some if s in self.known] for some in (form.q, form.u))
         read = self._symbols(q_dep, u_dep)
         self._coordinates(q_dep, read)
@@ -632,31 +632,33 @@ class _Reader:
         """States and parameters; dependent coordinates without an expression stay states."""
         form, seen = self.form, _expressions(self.observables)
         self._linear = self._by_constraints(q_dep)
-        gone = {s for s in q_dep if self.given.get(s) is not None or s in self._linear}
+        gone = {s for s in q_dep if self.stated.get(s) is not None or s in self._linear}
         self.states = [s for s in (*form.q, *form.u) if s not in gone and s not in u_dep]
-        known = (*form.q, *form.u, *form.zero)
+        moving = (*form.q, *form.u, *form.zero)
         written = [
             *form.matrix,
             *form.forcing,
             *form.configuration,
             *form.velocity,
             *seen.values(),
-            *(e for e in self.given.values() if e is not None),
+            *(e for e in self.stated.values() if e is not None),
         ]
-        own = _parameters(self.parameters, _free(written, known))
-        self.names = tuple(map(_label, self.states)), tuple(map(_label, own))
-        self.x, self.p = _column(self.states), _column(own)
+        parameters = _parameters(self.parameters, _free(written, moving))
+        self.names = tuple(map(_label, self.states)), tuple(map(_label, parameters))
+        self.x, self.p = _column(self.states), _column(parameters)
         self.probes = Probes(self.x, self.p)
         self.expressions = seen
         zeros = dict.fromkeys(form.zero, ZERO)
-        return Translation(_known(self.states, self.x) | _known(own, self.p) | zeros)
+        return Translation(
+            _symbol_terms(self.states, self.x) | _symbol_terms(parameters, self.p) | zeros
+        )
 
     def _by_constraints(self, q_dep: list[Any]) -> tuple[Any, ...]:
         """Dependent coordinates that linear constraints determine."""
         from sympy import Matrix
 
         form = self.form
-        open_ = [s for s in q_dep if self.given.get(s) is None]
+        open_ = [s for s in q_dep if self.stated.get(s) is None]
         if not open_ or len(open_) != len(form.configuration):
             return ()
         slopes = Matrix(form.configuration).jacobian(Matrix(open_))
@@ -665,7 +667,7 @@ class _Reader:
     def _coordinates(self, q_dep: list[Any], read: Translation) -> None:
         """Dependent coordinates as expressions; a constraint that stays is watched."""
         constraints = self.form.configuration
-        stated = {s: e for s, e in self.given.items() if s in q_dep and e is not None}
+        stated = {s: e for s, e in self.stated.items() if s in q_dep and e is not None}
         if stated and any(e.has(*q_dep) for e in stated.values()):
             raise ParameterError(
                 "an expression in dependent holds a dependent coordinate; give expressions in the "
@@ -677,8 +679,8 @@ class _Reader:
         elif stated:
             self._agree(constraints, stated)
         if len(stated) < len(constraints) and not self._linear:
-            for number, one in enumerate(constraints, 1):
-                self._watch(f"constraint_{number}", read(one))
+            for number, constraint in enumerate(constraints, 1):
+                self._watch(f"constraint_{number}", read(constraint))
 
     def _linear_solution(
         self, constraints: Sequence[Any], sought: Sequence[Any], read: Translation
@@ -691,8 +693,8 @@ class _Reader:
         rest = equations.xreplace(dict.fromkeys(sought, 0))
         right = [times(MINUS, read(r)) for r in rest]
         block = list(range(len(sought)))
-        found, _ = solve(matrix, right, [(block, block)], self.probes)
-        return dict(zip(sought, found, strict=True))
+        solution, _ = solve(matrix, right, [(block, block)], self.probes)
+        return dict(zip(sought, solution, strict=True))
 
     def _watch(self, name: str, value: Term) -> None:
         self.seen[name] = value
@@ -710,8 +712,8 @@ class _Reader:
         import random
 
         made = random.Random(7)
-        for one in constraints:
-            left = one.xreplace(dict(stated))
+        for row in constraints:
+            left = row.xreplace(dict(stated))
             symbols = _free([left], ())
             for _ in range(2):
                 place = {s: round(made.uniform(0.1, 0.4), 6) for s in symbols if s in self.form.q}
@@ -719,7 +721,7 @@ class _Reader:
                 value = abs(left.xreplace({s: _rational(v) for s, v in place.items()}).evalf(30))
                 if not (value.is_number and value < 1e-20):
                     raise ParameterError(
-                        f"the expressions in dependent leave the constraint {shown(str(one))} at "
+                        f"the expressions in dependent leave the constraint {shown(str(row))} at "
                         f"{shown(str(value))}, not at zero; give expressions that solve it."
                     )
 
@@ -732,9 +734,9 @@ class _Reader:
                 "of velocity; name as many in dependent."
             )
         if u_dep:
-            found = self._linear_solution(velocity, u_dep, read)
-            read.add(found)
-            self.seen |= {_label(s): v for s, v in found.items()}
+            speeds = self._linear_solution(velocity, u_dep, read)
+            read.add(speeds)
+            self.seen |= {_label(s): v for s, v in speeds.items()}
 
     def _solved(self, read: Translation) -> dict[str, Any]:
         form = self.form
@@ -751,8 +753,8 @@ class _Reader:
         else:  # with the dependent accelerations gone, the mass matrix is definite
             stages += [(range(start, start + bound), range(q + dynamic, q + u))]
             stages += [(range(q, start), range(q, q + dynamic))]
-        found, _ = solve(matrix, right, stages, self.probes)
-        solved = dict(zip(unknowns, found, strict=True))
+        solution, _ = solve(matrix, right, stages, self.probes)
+        solved = dict(zip(unknowns, solution, strict=True))
         for number in range(1, form.multipliers + 1):  # SymPy's matrix has the other sign
             self.seen[f"lam{number}"] = times(MINUS, solved[f"lambda_{number}"])
         self.seen |= {n: read(e) for n, e in self.expressions.items()}

@@ -90,28 +90,28 @@ def ball_unknowns(
     if rough is None:
         point = ([float(v.mid()) for v in a], [float(v.mid()) for v in q])
         rough = family.solve(*(np.array([part]).reshape(1, -1) for part in point))[0]
-    found = _krawczyk(family, a, q, rough)
+    root = _krawczyk(family, a, q, rough)
     # near a double root Newton's method may jump to another root
-    if found is None or not all(
+    if root is None or not all(
         ball.overlaps(arb(float(v), NEARBY * (1 + abs(float(v)))))
-        for ball, v in zip(found, rough, strict=True)
+        for ball, v in zip(root, rough, strict=True)
     ):
         raise NoMemberError(
             f"{family.name} at {listing(family.at, [float(v) for v in a])}: no root is proved "
             f"within {ctx.prec} bits; the point may be singular."
         )
-    return found
+    return root
 
 
 def positive_unknowns(
     family: Family, a: Sequence[Any], q: Sequence[Any], near: Sequence[float] | None = None
 ) -> list[Any]:
     """As `ball_unknowns`; one that must be positive, and is not proved to be, is refused."""
-    found = ball_unknowns(family, a, q, near)
-    for name, ball in zip(family.unknown, found, strict=True):
+    root = ball_unknowns(family, a, q, near)
+    for name, ball in zip(family.unknown, root, strict=True):
         if name in family.positive and not ball > 0:
             raise NoMemberError(f"{family.name}: {name} is not proved to be positive.")
-    return found
+    return root
 
 
 Given = tuple[Sequence[Any], Sequence[Any]]
@@ -134,10 +134,10 @@ def in_one_box(family: Family, middle: Given, over: Given, *ends: Given) -> bool
         near = [float(v.mid()) for v in ball_unknowns(family, *middle)]
         box = ball_unknowns(family, *over, near)
         with precision(2 * ctx.prec):  # narrower than the box, which may be as narrow as one root
-            found = [ball_unknowns(family, *end) for end in ends]
+            roots = [ball_unknowns(family, *end) for end in ends]
     except (StabilityError, ZeroDivisionError):
         return False
-    return all(b.contains(v) for unknowns in found for b, v in zip(box, unknowns, strict=True))
+    return all(b.contains(v) for unknowns in roots for b, v in zip(box, unknowns, strict=True))
 
 
 def _krawczyk(
@@ -147,9 +147,9 @@ def _krawczyk(
 
     A root at 0 has no relative size.
     """
-    given = [arb(v) for v in (*a, *q)]
-    middle = [v.mid() for v in given]
-    wide = any(v.rad() > NARROW * abs(m) for v, m in zip(given, middle, strict=True))
+    numbers = [arb(v) for v in (*a, *q)]
+    middle = [v.mid() for v in numbers]
+    wide = any(v.rad() > NARROW * abs(m) for v, m in zip(numbers, middle, strict=True))
     place = (middle[: len(a)], middle[len(a) :]) if wide else (a, q)
     size, residual = len(rough), family.graph.residual
     x = arb_mat(size, 1, [arb(float(v)) for v in rough])
@@ -170,9 +170,9 @@ def _krawczyk(
     else:  # the operator needs the residual at the last point, not at the point before
         shift = inverse * _tables(residual, place[0], x, place[1])[0]
     if wide:
-        found = _along_tangent(family, (given, len(a)), x, inverse)
-        if found is not None:
-            return found
+        root = _along_tangent(family, (numbers, len(a)), x, inverse)
+        if root is not None:
+            return root
         shift = inverse * _tables(residual, a, x, q)[0]
     for least in (0, 1):
         inside = contained(
@@ -202,11 +202,11 @@ def _along_tangent(
     The distance of the root from the tangent is of second order in the balls' widths, and is
     bounded by the mean value theorem in these numbers.  The result holds no other root.
     """
-    given, cut = over
+    numbers, cut = over
     size = x.nrows()
-    a, q = given[:cut], given[cut:]
-    middle = [v.mid() for v in given]
-    way = arb_mat(len(given), 1, [v - m for v, m in zip(given, middle, strict=True)])
+    a, q = numbers[:cut], numbers[cut:]
+    middle = [v.mid() for v in numbers]
+    way = arb_mat(len(numbers), 1, [v - m for v, m in zip(numbers, middle, strict=True)])
     along = family.graph.along  # residual, slopes by the unknowns and by the given numbers
     here, _, by_given = _tables(along, middle[:cut], x, middle[cut:])
     turn = (-(inverse * by_given)).mid()
@@ -229,8 +229,8 @@ def _along_tangent(
     left = operator(inverse, slope, box, arb_mat(size, 1))
     if not all(box[i, 0].contains_interior(left[i, 0]) for i in range(size)):
         return None
-    found: list[Any] = hull.entries()
-    return found
+    root: list[Any] = hull.entries()
+    return root
 
 
 def _tables(program: Program, a: Sequence[Any], x: Any, q: Sequence[Any]) -> list[Any]:

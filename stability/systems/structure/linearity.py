@@ -78,17 +78,17 @@ def _changes(system: Equations, slopes: ca.SX) -> bool:
     value = ca.Function("slopes", [system.x, system.p], [slopes])
     rng = np.random.default_rng(3)
     p = rng.uniform(0.4, 1.2, system.p.numel())
-    one, two = (np.array(value(rng.uniform(0.4, 1.2, system.x.numel()), p)) for _ in range(2))
-    return not bool((np.abs(one - two) <= CLEAR * (1 + np.abs(one))).all())
+    first, second = (np.array(value(rng.uniform(0.4, 1.2, system.x.numel()), p)) for _ in range(2))
+    return not bool((np.abs(first - second) <= CLEAR * (1 + np.abs(first))).all())
 
 
 def _affine(system: Equations, program: Program, some: list[int]) -> bool:
     """Whether each rate is a polynomial of degree one in some states, over the other symbols."""
-    own = len(system.states)
+    count = len(system.states)
     names = [*system.states, *system.parameters]
     field = FunctionField(names)
     try:
-        rates = program.run(EXACT, [field.symbols[:own], field.symbols[own:]])[0]
+        rates = program.run(EXACT, [field.symbols[:count], field.symbols[count:]])[0]
     except (ArithmeticError, StabilityError):
         return False
     return all(_degree_one(rate, some, len(names)) for rate in rates)

@@ -77,9 +77,9 @@ def structure(family: Family) -> Structure:
         return by_places
     vanishing, steady = [True] * (len(family.system.states) + 1), True
     for sample in _samples(family):
-        found, rests = _vanishing(family, sample)
+        flags, rests = _vanishing(family, sample)
         steady = steady and rests
-        vanishing = [v and f for v, f in zip(vanishing, found, strict=True)]
+        vanishing = [v and f for v, f in zip(vanishing, flags, strict=True)]
     zeros = vanishing.index(False)
     rest = vanishing[zeros:]
     even = all(rest[1::2]) and len(rest) > 1
@@ -145,10 +145,10 @@ def _has_member(family: Family, a: Floats, q: Floats) -> bool:
 
     There coordinates may end, as at a pole of a body, and the count of zeros is another one.
     """
-    found = family.search(a, q)
-    if not found.good[0]:
+    roots = family.search(a, q)
+    if not roots.good[0]:
         return False
-    states, p = family.states(a, found.u, q), family._system_parameters(a, found.u, q)
+    states, p = family.states(a, roots.u, q), family._system_parameters(a, roots.u, q)
     return bool(family.system.valid(states, p, CLEAR)[0])
 
 
@@ -216,10 +216,10 @@ def _vanishing(family: Family, sample: int) -> tuple[list[bool], bool]:
     for bits in (SAMPLE_BITS, 4 * SAMPLE_BITS, 16 * SAMPLE_BITS):
         with precision(bits):
             place = _placed(family, point)
-            found = matrix_polynomial(family, *place)
+            coefficients = matrix_polynomial(family, *place)
             rests = _rest(family, place)
-        near = [bool(c.contains(0)) for c in found]
-        small = [float(c.abs_upper()) < least for c in found]
+        near = [bool(c.contains(0)) for c in coefficients]
+        small = [float(c.abs_upper()) < least for c in coefficients]
         if all(s for s, n in zip(small, near, strict=True) if n):
             break
     return [n and s for n, s in zip(near, small, strict=True)], rests
