@@ -94,7 +94,7 @@ def launches_of(
     StabilityError
         In one sentence, if something is not accepted.
     """
-    gather: Any = gather_round if isinstance(mover, Disk | Body) else gather_system
+    gather: Any = gather_system if isinstance(mover, System | NumericSystem) else gather_round
     starts: Starts = gather(mover, contact, start, times, **more)
     return starts
 
