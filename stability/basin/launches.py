@@ -16,7 +16,14 @@ from ..base.checks import one_number
 from ..base.errors import NameUnknownError, ParameterError, listed, shown
 from ..base.quantities import Kind
 from ..base.types import Floats
-from ..bodies.contact_laws import MOTION_LAWS, Contact, Smooth, law_given, law_missing
+from ..bodies.contact_laws import (
+    MOTION_LAWS,
+    Contact,
+    Smooth,
+    law_given,
+    law_missing,
+    refuse_second,
+)
 from ..bodies.disk import Disk
 from ..bodies.families import FAMILIES, at_name
 from ..bodies.launch import launch
@@ -362,6 +369,7 @@ def prepare(
             raise ParameterError("a box belongs to a stability.System; leave it out.")
         contact = law_given(contact, parameters, motion=True, swept=(*varied, *common["held"]))
         for name in parameters:
+            refuse_second(contact, name)
             raise ParameterError(
                 f"{shown(name)} is not an argument here; give it in held, or as an axis."
             )

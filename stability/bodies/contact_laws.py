@@ -875,14 +875,19 @@ def law_only(
     """
     law = law_given(contact, values, motion=motion, swept=swept)
     for name in values:
-        if isinstance(law, Contact) and any(m.alternatives(name) for m in MOTION_LAWS.values()):
-            raise ParameterError(f"{name} is given, and contact is {law}; leave {name} out.")
+        refuse_second(law, name)
         refuse_misspelt(Viscous, values)
         raise ParameterError(
             f"{shown(name)} is not an argument here; the disk's numbers go in disk=Disk(...), and "
             "in contact=Viscous(mu) or contact='viscous' with mu=NUMBER."
         )
     return law
+
+
+def refuse_second(law: Any, name: str) -> None:
+    """Refuse the number of a law where the law is given with its numbers."""
+    if isinstance(law, Contact) and any(m.alternatives(name) for m in MOTION_LAWS.values()):
+        raise ParameterError(f"{name} is given, and contact is {law}; leave {name} out.")
 
 
 def class_named(name: str, *, motion: bool = False) -> type[Contact]:

@@ -164,7 +164,7 @@ class NumberReading:
 
         Examples
         --------
-        >>> Numbers(decimals=True).ratio(9.81), Numbers().ratio(0.375)
+        >>> NumberReading(decimals=True).ratio(9.81), NumberReading().ratio(0.375)
         (981/100, 3/8)
         """
         short = decimal_of(value) if self.decimals else None

@@ -90,7 +90,7 @@ def packed(boxes: ProvedBoxes, x: Axis, y: Axis) -> str:
     >>> axis = Axis("at", 0.0, 2.0, 3)
     >>> low, high = [0, 1], [1, 2]
     >>> x, y = np.array([low, high, low, high]), np.array([low, low, high, high])
-    >>> packed(Boxes(x, y, np.array([1, 2, 0, 3], dtype=np.int8), 1, 0.75), axis, axis)
+    >>> packed(ProvedBoxes(x, y, np.array([1, 2, 0, 3], dtype=np.int8), 1, 0.75), axis, axis)
     '+SU?N'
     """
     codes: dict[tuple[int, int, int], int] = {}
