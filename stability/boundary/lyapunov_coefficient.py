@@ -16,9 +16,9 @@ for lines; tests/boundary/test_hopf_any.py compares with normal forms in closed 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import Any
 
 import casadi as ca
@@ -153,25 +153,28 @@ class OneParameterFamily:
 
     def first(self, x: Balls, p: Balls) -> tuple[Balls, list[Balls], list[Balls]]:
         """Rates, Jacobian, and slopes of the rates by what is free, one column each."""
-        n, system = len(x), self.family.system
+        n = len(x)
         rates, slopes, by_p = self.d.first.run(balls(), [x, p])
         rows = [[arb(slopes[j * n + i]) for j in range(n)] for i in range(n)]
-        columns = {name: [row[j] for row in rows] for j, name in enumerate(system.states)}
-        for j, name in enumerate(system.parameters):
-            columns[name] = [arb(v) for v in by_p[j * n : (j + 1) * n]]
-        return [arb(r) for r in rates], rows, [columns[name] for name in self.free]
+        columns = self._by_free(lambda j: [row[j] for row in rows], lambda: by_p, n)
+        return [arb(r) for r in rates], rows, [[arb(v) for v in c] for c in columns]
 
     def turned(self, x: Balls, p: Balls, v: Balls) -> list[Balls]:
         """Slopes of A v by what is free."""
-        n, system, mixed = len(x), self.family.system, None
-        out = []
+        mixed = cache(lambda: self.d.mixed.run(balls(), [x, p, v])[0])
+        return self._by_free(lambda j: self.second(x, p, v, self.unit(j)), mixed, len(x))
+
+    def _by_free(
+        self, by_state: Callable[[int], Balls], by_parameters: Callable[[], Balls], n: int
+    ) -> list[Balls]:
+        """Columns of what is free: of a state by its index, of a parameter from all columns."""
+        system, out = self.family.system, []
         for name in self.free:
             if name in system.states:
-                out.append(self.second(x, p, v, self.unit(system.index(name))))
-                continue
-            mixed = mixed or self.d.mixed.run(balls(), [x, p, v])[0]
-            place = system.parameters.index(name)
-            out.append(list(mixed[place * n : (place + 1) * n]))
+                out.append(by_state(system.index(name)))
+            else:
+                place = n * system.parameters.index(name)
+                out.append(by_parameters()[place : place + n])
         return out
 
     def second(self, x: Balls, p: Balls, u: Balls, v: Balls) -> Balls:
