@@ -103,9 +103,7 @@ class CompiledRates:
         if open_cells:
             starts = left[:open_cells].copy(), np.ascontiguousarray(kept[:, :open_cells])
             open_cells = run.refine(self.table, self.rest, xs, ys, *how, *starts, left, kept)
-        poor = np.zeros(count, dtype=bool)
-        poor[left[:open_cells]] = True
-        return Rates(top, error, turn, codes, None, poor)
+        return _collected((top, error, turn), codes, left[:open_cells])
 
 
 def _flags(*, even: bool) -> tuple[float, float]:
@@ -120,15 +118,20 @@ def of_coefficients(coefficients: Coefficients, columns: int, wanted: float) -> 
     """
     a, e = (np.ascontiguousarray(some) for some in coefficients)
     degree, count = a.shape
-    top, error, turn = out = np.empty(count), np.empty(count), np.empty(count)
+    out = np.empty(count), np.empty(count), np.empty(count)
     codes = np.empty(count, dtype=np.int8)
     left, kept = np.empty(count, dtype=np.int64), np.empty((degree, count))
     flags = *_flags(even=False), wanted
     run = compiled(pairs, factors, loops).sweep_cells
     open_cells = run(a, e, columns, flags, out, codes, left, kept)
-    poor = np.zeros(count, dtype=bool)
-    poor[left[:open_cells]] = True
-    return Rates(top, error, turn, codes, None, poor)
+    return _collected(out, codes, left[:open_cells])
+
+
+def _collected(rates: tuple[Floats, Floats, Floats], codes: Any, left: Any) -> Rates:
+    """Abscissa, error and frequency with flags; the cells that are left are poor."""
+    poor = np.zeros(len(codes), dtype=bool)
+    poor[left] = True
+    return Rates(*rates, codes, None, poor)
 
 
 def in_range(values: Floats) -> bool:
